@@ -81,8 +81,8 @@ class BagFaults : public testing::Test {
 
 TEST_F(BagFaults, FolderThatIsNotThere) {
   const std::string file = path("nowhere/x.bag");
-  EXPECT_EQ(file_error([&] { bag::Recorder recorder(file); }),
-            "cannot create '" + file + "': No such file or directory [SL0109]");
+  EXPECT_THAT(file_error([&] { bag::Recorder recorder(file); }),
+              Fault("cannot create '" + file + "': ... [SL0109]"));
 }
 
 TEST_F(BagFaults, DiskThatIsFull) {
@@ -95,7 +95,7 @@ TEST_F(BagFaults, DiskThatIsFull) {
 }
 
 TEST_F(BagFaults, FileThatIsNotThere) {
-  EXPECT_EQ(reading(), "cannot open '" + path() + "': No such file or directory [SL0109]");
+  EXPECT_THAT(reading(), Fault("cannot open '" + path() + "': ... [SL0109]"));
 }
 
 TEST_F(BagFaults, OtherFiles) {

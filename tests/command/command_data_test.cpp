@@ -5,10 +5,12 @@
 #include <optional>
 
 #include "spikeloop/command/command_sink.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::command::command_data_test {
 namespace {
 
+using test::Fault;
 using testing::ElementsAre;
 
 constexpr TimeNs kMs = 1'000'000;
@@ -85,13 +87,11 @@ TEST_F(CommandDataTest, a_sensor_that_falls_silent_stops_the_robot_until_it_come
   EXPECT_EQ(sink.condition().text, kDriven);
   take(sink, {.now = 1210 * kMs, .first = 1200 * kMs, .second = 1000 * kMs});
   EXPECT_THAT(sent_, ElementsAre(0.5, 0));
-  EXPECT_EQ(sink.condition().text,
-            "the robot is stopped: no message with a reading on topic '/odom' for 200 ms");
+  EXPECT_THAT(sink.condition().text, Fault("the robot is stopped: ... '/odom' ... 200 ms"));
   take(sink, {.now = 1220 * kMs, .first = 1200 * kMs, .second = 1220 * kMs});
   EXPECT_THAT(sent_, ElementsAre(0.5, 0, 0.5));
   take(sink, {.now = 1710 * kMs, .first = 1200 * kMs, .second = 1710 * kMs});
-  EXPECT_EQ(sink.condition().text,
-            "the robot is stopped: no message with a reading on topic '/scan' for 500 ms");
+  EXPECT_THAT(sink.condition().text, Fault("the robot is stopped: ... '/scan' ... 500 ms"));
 }
 
 TEST_F(CommandDataTest, nothing_leaves_before_every_sensor_has_been_heard) {
@@ -112,7 +112,7 @@ TEST_F(CommandDataTest, old_data_stop_the_robot_though_every_sensor_is_heard) {
   CommandSink sink(settings(5000 * kMs, 5000 * kMs), transport());
   take(sink, {.now = 1000 * kMs, .first = 1000 * kMs, .second = 1000 * kMs});
   take(sink, {.now = 2010 * kMs, .first = 1000 * kMs, .second = 1000 * kMs});
-  EXPECT_EQ(sink.condition().text, "the robot is stopped: the data are older than max_age, 1 s");
+  EXPECT_THAT(sink.condition().text, Fault("the robot is stopped: ... max_age, 1 s"));
 }
 
 TEST_F(CommandDataTest, a_silent_network_stops_the_robot_when_it_is_asked_for) {
@@ -124,7 +124,7 @@ TEST_F(CommandDataTest, a_silent_network_stops_the_robot_when_it_is_asked_for) {
   tick(1300 * kMs, false);
   EXPECT_THAT(sent_, ElementsAre(0.5)) << "it has its time from the first tick on";
   tick(1310 * kMs, false);
-  EXPECT_EQ(sink.condition().text, "the robot is stopped: no spike for spike_timeout, 300 ms");
+  EXPECT_THAT(sink.condition().text, Fault("the robot is stopped: ... spike_timeout, 300 ms"));
   tick(1320 * kMs, true);
   tick(1620 * kMs, false);
   EXPECT_THAT(sent_, ElementsAre(0.5, 0, 0.5));

@@ -256,8 +256,8 @@ TEST(MappingFile, OlderProgramsIgnoreSomeMistakes) {
             "m:1:39: 'mapping.x' is -1, no channel; remove the field; the field is 0 [SL0505]");
   EXPECT_THAT(log.messages[2], testing::EndsWith("; every field is 0 [SL0104]"));
   EXPECT_THAT(log.messages[3], testing::EndsWith("; they are ignored [SL0208]"));
-  EXPECT_THAT(log.messages[4],
-              Fault("m:1:39: 'mapping' ... Float64MultiArray; remove it ... [SL0208]"));
+  EXPECT_THAT(log.messages[4], Fault("m:1:39: 'mapping' does not hold for a Float64MultiArray; "
+                                     "remove it; all channels are sent [SL0208]"));
 }
 
 TEST(MappingFile, MutatedFilesAreReadOrRefused) {

@@ -200,8 +200,11 @@ TEST(MusicParser, RefusesWhatMusicAbortsFor) {
        "'\\\"' for a quote inside [SL0101]"},
       {"k=\"a\\", "f:1:3: ... 'k' ... '\"' ... and '\\\"' ... [SL0101]"},
       {"k=\"a\nb\" c",
-       "f:2:4: text after the closing quote of 'k' (line 1); write '\\\"' ... or '#' ... [SL0101]"},
-      {"k=a\\", "f:1:1: the value of 'k' ... '\\\\' for a backslash ... [SL0101]"},
+       "f:2:4: text after the closing quote of 'k' (line 1); write '\\\"' for a quote inside the "
+       "value, or '#' before a comment [SL0101]"},
+      {"k=a\\",
+       "f:1:1: the value of 'k' ends with a backslash at the end of the file; write '\\\\' for a "
+       "backslash [SL0101]"},
       {"k\\\n=a",
        "f:1:1: the key 'k' ... only a value may go on in the next line, write the key on one line "
        "... [SL0101]"},
@@ -232,9 +235,11 @@ TEST(MusicParser, RefusesWhatMusicMisreadsWithoutAWord) {
       {"=5", "f:1:1: no key before '='; write 'key=value' [SL0101]"},
       {"A.out => B.in",
        "f:1:1: 'A.out=>' would be a key for MUSIC; write a connection with '->' [SL0101]"},
-      {"A.a -> B.b -> C.c [1]", "f:1:1: a second arrow in 'b -> C.c' ... [SL0101]"},
+      {"A.a -> B.b -> C.c [1]",
+       "f:1:1: a second arrow in 'b -> C.c'; write each connection on a line of its own [SL0101]"},
       {"A.out -> B.in 10", "f:1:1: 'in 10' ... 'A.out -> B.in [width]' ... [SL0106]"},
-      {"A.out -> B.in]", "f:1:1: 'in]' ... 'A.out -> B.in [width]' ... [SL0106]"},
+      {"A.out -> B.in]",
+       "f:1:1: 'in]' is not a valid port name; write 'A.out -> B.in [width]' [SL0106]"},
       {"A.out -> B.in=3", "f:1:1: 'in=3' ... 'A.out -> B.in [width]' ... [SL0106]"},
       {"-> B.in",
        "f:1:1: the connection has no sender port; write 'A.out -> B.in [width]' [SL0101]"},
@@ -255,11 +260,12 @@ TEST(MusicParser, RefusesWhatMusicMisreadsWithoutAWord) {
        "f:1:1: the key 'a=b' contains '=', which MUSIC ... write letters, digits and '_' ... "
        "[SL0106]"},
       {"\xEF\xBB\xBFnp=1",
-       "f:1:1: the file begins with a UTF-8 byte order mark, which MUSIC ... save it as UTF-8 "
-       "without byte order mark ... [SL0101]"},
-      {std::string("\xFF\xFEn\0", 4), "f:1:1: ... UTF-16 text ... UTF-8 ... [SL0101]"},
+       "f:1:1: the file begins with a UTF-8 byte order mark, which MUSIC takes for a part of the "
+       "first line; save it as UTF-8 without byte order mark [SL0101]"},
+      {std::string("\xFF\xFEn\0", 4),
+       "f:1:1: the file is UTF-16 text; save it as UTF-8 without byte order mark [SL0101]"},
       {std::string("a=1\nb\0", 6),
-       "f:2:2: a zero byte: this is not a text file ... .music file ... [SL0101]"},
+       "f:2:2: a zero byte: this is not a text file; give the path of a .music file [SL0101]"},
   };
   for (const auto& [text, message] : cases) {
     EXPECT_THAT(error(text), Fault(message)) << text;

@@ -67,8 +67,8 @@ TEST(MusicText, RefusesWhatNoFileCanSay) {
                     "blanks at its end ... [SL0106]"));
   file.sections[0].label = "a:b";
   EXPECT_THAT(message_of([&] { to_text(file); }),
-              Fault("the label 'a:b' contains ':', which MUSIC ... write letters, digits and '_' "
-                    "... [SL0106]"));
+              Fault("the label 'a:b' contains ':', which MUSIC loses on the way to the program; "
+                    "write letters, digits and '_' [SL0106]"));
   file.sections.clear();
   file.globals = {{"k", std::string("a\0", 2), {}}};
   EXPECT_EQ(

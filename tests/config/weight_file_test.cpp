@@ -132,7 +132,8 @@ struct Case {
 };
 
 TEST(WeightFile, SaysWhatIsWrongInADenseTable) {
-  const std::string rows = "... [[0.1, 0.2], [0.3, 0.4]] ... [SL0309]";
+  const std::string rows =
+      "write an array of weights: [[0.1, 0.2], [0.3, 0.4]], one row an output [SL0309]";
   const std::string nothing = "w: ... [[0.1, 0.2], [0.3, 0.4]] ... or 'uniform' ... [SL0309]";
   const Case cases[] = {
       {"", "w: ... empty ... [[0.1, 0.2], [0.3, 0.4]] ... [SL0309]"},
@@ -141,7 +142,9 @@ TEST(WeightFile, SaysWhatIsWrongInADenseTable) {
        "w: ... (byte 4 ... 0x00) ... [[0.1, 0.2], [0.3, 0.4]] ... [SL0309]"},
       {"[]", nothing},
       {"[[],[]]", nothing},
-      {"0.5", "w: the table is 0.5 ... [[0.1, 0.2], [0.3, 0.4]] ... [SL0309]"},
+      {"0.5",
+       "w: the table is 0.5; write an array of rows, [[0.1, 0.2], [0.3, 0.4]], one row an output "
+       "[SL0309]"},
       {"true", "w: ... true ... [[0.1, 0.2], [0.3, 0.4]] ... [SL0309]"},
       {"[1, 2]", "w: row 0 is 1; " + rows},
       {"[[1], null]", "w: row 1 is null; " + rows},
@@ -152,8 +155,8 @@ TEST(WeightFile, SaysWhatIsWrongInADenseTable) {
       {"[[1, 2], [3]]", "w: row 1 has 1 weights, but row 0 has 2 ... [SL0309]"},
       {"[[1], [2], [3, 4]]", "w: row 2 has 2 weights, but row 0 has 1 ... [SL0309]"},
       {"[[1, NaN]]",
-       "w:1:6: not JSON: invalid literal; last read: '1, N'; NaN ... JSON: write a finite one ... "
-       "[SL0101]"},
+       "w:1:6: not JSON: invalid literal; last read: '1, N'; NaN is not a number of JSON: write a "
+       "finite one [SL0101]"},
       {"[[1,\n-Infinity]]",
        "w:2:2: not JSON: invalid number; expected digit after '-'; last read: '-I'; Infinity ... "
        "JSON: ... [SL0101]"},

@@ -28,7 +28,8 @@ TEST(Time, RefusesWhatCannotBeRepresented) {
   EXPECT_THAT(message_of<ConfigurationError>([] { from_seconds(std::nan("")); }),
               Fault("... nan ... 9e+09 ... [SL0203]"));
   EXPECT_THAT(message_of<ConfigurationError>([] { tick_from_seconds(0.0); }),
-              Fault("... 0 s ... 0 ... 0.001 s ... [SL0207]"));
+              Fault("a tick of 0 s is not a whole number of nanoseconds above 0; write for example "
+                    "0.001 s [SL0207]"));
   EXPECT_THAT(message_of<ConfigurationError>([] { tick_from_seconds(1.0 / 3.0); }),
               Fault("... 0.3333333333333333 s ... 0 ... 0.333333333 s ... [SL0207]"));
   EXPECT_EQ(tick_from_seconds(0.05), 50'000'000);

@@ -150,7 +150,7 @@ TEST(Resolve, OneSidedBounds) {
   EXPECT_THAT(message_of<ConfigurationError>([&] {
                 resolve(high, {{"a", {"3", {}}}}, {});
               }),
-              Fault("key 'a': 3 ... 2 ... [SL0203]"));
+              Fault("key 'a': 3 is out of bounds; write a value of at most 2 [SL0203]"));
 }
 
 TEST(Parameters, AskingForWhatWasNotDeclaredIsABug) {

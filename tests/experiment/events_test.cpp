@@ -90,10 +90,10 @@ TEST_F(Events, SomebodyMustSendThem) {
   const auto rest = testing::HasSubstr("/go");  // nobody takes commands there, either
   EXPECT_THAT(
       faults(events("", " [48]", "robot: {simulator: mujoco}")),
-      ElementsAre(
-          Fault("x.yaml:4:40: key 'topic': ... /events ... ros: 2  for one that has, or take the "
-                "changes of its pictures (docs/images.md, \"Events from frames\") ... [SL0507]"),
-          rest));
+      ElementsAre(Fault("x.yaml:4:40: key 'topic': the robot in this process has no event camera "
+                        "that sends /events; write  ros: 2  for one that has, or take the changes "
+                        "of its pictures (docs/images.md, \"Events from frames\") [SL0507]"),
+                  rest));
   EXPECT_THAT(faults(events("", " [48]", "seed: 1")),
               ElementsAre(Fault("x.yaml:4:3: node 'eye': ... /events ... ros: 2, or  robot: "
                                 "{simulator: mujoco} ... [SL0507]"),

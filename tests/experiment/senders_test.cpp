@@ -123,9 +123,11 @@ TEST_F(Senders, SaysWhatIsWrong) {
   EXPECT_THAT(faults("  - left,  -> brain\n"),
               ElementsAre("x.yaml:12:10: a sender is missing beside ','; write for example  left, "
                           "right.out  or  left + right.out [SL0101]"));
-  EXPECT_THAT(faults("  - left, right + left -> brain\n"),
-              ElementsAre(Fault("x.yaml:12:17: 'left, right + left' has both ',' (channels one "
-                                "after another) and '+' (sum); write one of them ... [SL0101]")));
+  EXPECT_THAT(
+      faults("  - left, right + left -> brain\n"),
+      ElementsAre(Fault(
+          "x.yaml:12:17: 'left, right + left' has both ',' (channels one after another) and '+' "
+          "(sum); write one of them, and put another node between for the other [SL0101]")));
   EXPECT_THAT(faults("  - left -> brain\n  - right -> brain\n"),
               ElementsAre("x.yaml:13:14: input 'brain.in' has two senders, 'left.out' and "
                           "'right.out'; remove one connection [SL0304]"));
@@ -178,9 +180,10 @@ TEST_F(Senders, SaysWhatIsWrongWithChannels) {
                             "0, and the one behind the last, as  [0:50],  or one channel, as  [7] "
                             "[SL0101]"));
   }
-  EXPECT_THAT(faults("  - left -> brain [0:2]\n"),
-              ElementsAre(Fault("x.yaml:12:20: '0:2' ... channels are selected where a line "
-                                "begins, as  scan[0:50] -> encoder [50] ... [SL0307]")));
+  EXPECT_THAT(
+      faults("  - left -> brain [0:2]\n"),
+      ElementsAre(Fault("x.yaml:12:20: '0:2' is neither a width nor a delay; channels are selected "
+                        "where a line begins, as  scan[0:50] -> encoder [50] [SL0307]")));
   std::string text = kTwo;
   text.replace(text.find("  - scan -> left [3]\n"), 21, "  - scan[0:3] -> left\n");
   text.replace(text.find("  - scan -> right\n"), 18, "");
@@ -234,16 +237,17 @@ TEST_F(SendersOfASimulator, AreOneConnectionOfMusic) {
 TEST_F(SendersOfASimulator, AreInOneProcess) {
   EXPECT_THAT(job_refusal(scripted("  - left, right -> brain\n  - left -> other\n", "separate")),
               Fault("x.yaml:13:20: 'left.out' and 'right.out' are in the processes 'left' and "
-                    "'right', and the senders of one input of a simulator must be in one process "
-                    "... 'brain.in' ... [SL0601]"));
+                    "'right', and the senders of one input of a simulator must be in one process; "
+                    "put them into one process, or put another node before 'brain.in' [SL0601]"));
   EXPECT_THAT(
       job_refusal(scripted("  - left -> brain\n  - brain.a + brain.b -> other [5]\n")),
       Fault("x.yaml:14:26: 'brain.a' and 'brain.b' are outputs of a simulator, and no graph "
             "combines them before 'other.in', which is an input of another one ... [SL0601]"));
-  EXPECT_THAT(job_refusal(scripted("  - left -> brain\n  - brain.a -> other.b [2]\n"
-                                   "  - brain.a[0] -> other [1]\n")),
-              Fault("x.yaml:15:19: no graph selects the channels of 'brain.a' before 'other.in' "
-                    "... [SL0601]"));
+  EXPECT_THAT(
+      job_refusal(scripted("  - left -> brain\n  - brain.a -> other.b [2]\n"
+                           "  - brain.a[0] -> other [1]\n")),
+      Fault("x.yaml:15:19: no graph selects the channels of 'brain.a' before 'other.in', which is "
+            "an input of another simulator; put another node between them [SL0601]"));
 }
 
 }  // namespace senders

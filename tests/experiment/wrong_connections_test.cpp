@@ -25,24 +25,22 @@ INSTANTIATE_TEST_SUITE_P(
                   {"x.yaml:12:13: unknown node 'encodr'; did you mean 'encoder'? [SL0301]"}},
         WrongFile{"unknown port",
                   {{"-> encoder [3]", "-> encoder.inn [3]"}},
-                  {"x.yaml:12:13: 'encoder' has no input port 'inn'; did you mean 'in'? [SL0302]"}},
+                  {"x.yaml:12:13: 'encoder' ... 'inn' ... 'in' ... [SL0302]"}},
         WrongFile{"wrong direction",
                   {{"-> encoder [3] ->", "-> encoder.out [3] ->"}},
-                  {"x.yaml:12:13: 'encoder' has no input port 'out'; known: in [SL0302]"}},
+                  {"x.yaml:12:13: 'encoder' ... 'out' ... in ... [SL0302]"}},
         WrongFile{
             "source as a target",
             {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
               "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - decoder -> "
               "scan\n"}},
-            {"x.yaml:13:16: 'scan' has no input port; turn the connection round or leave it out "
-             "[SL0302]"}},
+            {"x.yaml:13:16: 'scan' ... turn the connection round or leave it out ... [SL0302]"}},
         WrongFile{
             "sink as a source",
             {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
               "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - wheels -> "
               "encoder\n"}},
-            {"x.yaml:13:5: 'wheels' has no output port; turn the connection round or leave it out "
-             "[SL0302]",
+            {"x.yaml:13:5: 'wheels' has no output port ... [SL0302]",
              "x.yaml:13:15: input 'encoder.in' has two senders, 'scan.out' and 'wheels'; remove "
              "one connection [SL0304]"}},
         WrongFile{
@@ -64,8 +62,8 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"  encoder: {node: rate_encoder, rate_max: 200 Hz}\n",
                     "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  extra: {node: "
                     "rate_encoder}\n"}},
-                  {"x.yaml:8:3: node 'extra' is not connected; write it into 'connections', or "
-                   "leave it out [SL0305]"}},
+                  {"x.yaml:8:3: node 'extra' is not connected; write it into 'connections' ... "
+                   "[SL0305]"}},
         WrongFile{
             "unconnected input",
             {{"scan -> encoder [3]", "encoder"}},
@@ -77,8 +75,7 @@ INSTANTIATE_TEST_SUITE_P(
                    "'wheels.in'; put a decoder between them [SL0303]"}},
         WrongFile{"continuous to spikes",
                   {{"scan -> encoder [3] ->", "scan ->"}},
-                  {"x.yaml:7:3: node 'encoder' is not connected; write it into 'connections', or "
-                   "leave it out [SL0305]",
+                  {"x.yaml:7:3: node 'encoder' ... 'connections' ... [SL0305]",
                    "x.yaml:12:13: continuous output 'scan.out' cannot drive spike input "
                    "'brain.in'; put an encoder between them [SL0303]"}},
         WrongFile{"tables that disagree",
@@ -127,12 +124,11 @@ INSTANTIATE_TEST_SUITE_P(
                     "[2]\n"},
                    {"  encoder: {node: rate_encoder, rate_max: 200 Hz}\n",
                     "  encoder: {node: rate_encoder, rate_max: 200 Hz}\n  a: {node: sigmoid}\n"}},
-                  {"x.yaml:14:10: the cycle a -> a has no delay; give one of its connections a "
-                   "delay of at least 1 tick [SL0310]"}},
+                  {"x.yaml:14:10: the cycle a -> a has no delay ... 1 tick ... [SL0310]"}},
         WrongFile{"delay no multiple of the tick",
                   {{"encoder [3]", "encoder [3, delay 1.5 ms]"}},
-                  {"x.yaml:12:31: delay '1.5 ms' is not a whole number of ticks from 0 to 1000000; "
-                   "write a multiple of the tick, 1 ms [SL0310]"}},
+                  {"x.yaml:12:31: delay '1.5 ms' is not a whole number of ticks from 0 to 1000000 "
+                   "... 1 ms ... [SL0310]"}},
         WrongFile{"delay without unit",
                   {{"encoder [3]", "encoder [3, delay 5]"}},
                   {"x.yaml:12:31: delay '5' has no unit; write 5 ms or 5 ticks [SL0310]"}},
@@ -144,21 +140,17 @@ INSTANTIATE_TEST_SUITE_P(
         WrongFile{
             "another word than delay",
             {{"encoder [3]", "encoder [3, delays 2 ticks]"}},
-            {"x.yaml:12:25: 'delays 2 ticks' is not a delay; write for example  delay 5 ms  or  "
-             "delay 2 ticks [SL0310]"}},
+            {"x.yaml:12:25: 'delays 2 ticks' ... delay 5 ms  or  delay 2 ticks ... [SL0310]"}},
         WrongFile{"delay of another unit",
                   {{"encoder [3]", "encoder [3, delay 5 Hz]"}},
-                  {"x.yaml:12:31: delay '5 Hz' is not a delay: '5 Hz': 'Hz' is not a unit of time "
-                   "here; write one of: ns, us, ms, s, min, h; write for example 5 ms or 2 ticks "
-                   "[SL0310]"}},
+                  {"x.yaml:12:31: delay '5 Hz' ... '5 Hz': 'Hz' is not a unit of time here; write "
+                   "one of: ns, us, ms, s, min, h ... 5 ms or 2 ticks ... [SL0310]"}},
         WrongFile{"delay in part of a tick",
                   {{"encoder [3]", "encoder [3, delay 1.5 ticks]"}},
-                  {"x.yaml:12:31: delay '1.5 ticks' is not a whole number of ticks from 0 to "
-                   "1000000; write a multiple of the tick, 1 ms [SL0310]"}},
+                  {"x.yaml:12:31: delay '1.5 ticks' ... 0 to 1000000 ... 1 ms ... [SL0310]"}},
         WrongFile{"negative delay",
                   {{"encoder [3]", "encoder [3, delay -1 ms]"}},
-                  {"x.yaml:12:31: delay '-1 ms' is not a whole number of ticks from 0 to 1000000; "
-                   "write a multiple of the tick, 1 ms [SL0310]"}},
+                  {"x.yaml:12:31: delay '-1 ms' ... 0 to 1000000 ... 1 ms ... [SL0310]"}},
         WrongFile{"huge delay",
                   {{"encoder [3]", "encoder [3, delay 1 h]"}},
                   {"x.yaml:12:31: delay '1 h' is not a whole number of ticks from 0 to 1000000; "
@@ -179,8 +171,8 @@ INSTANTIATE_TEST_SUITE_P(
                    "encoder [100] -> brain [100, delay 5 ms] [SL0101]"}},
         WrongFile{"arrow from nothing",
                   {{"- scan ->", "- ->"}},
-                  {"x.yaml:12:5: a node is missing beside '->'; write for example  scan -> encoder "
-                   "[100] -> brain [100, delay 5 ms] [SL0101]"}},
+                  {"x.yaml:12:5: ... '->' ... scan -> encoder [100] -> brain [100, delay 5 ms] ... "
+                   "[SL0101]"}},
         WrongFile{"width before the first arrow",
                   {{"- scan ->", "- scan [3] ->"}},
                   {"x.yaml:12:10: a sender has no width; write the width behind the receiver, as  "
@@ -192,36 +184,35 @@ INSTANTIATE_TEST_SUITE_P(
                    "-> encoder [100] -> brain [100, delay 5 ms] [SL0101]"}},
         WrongFile{"text behind a bracket",
                   {{"wheels [2]", "wheels [2] fast"}},
-                  {"x.yaml:12:63: '[2] fast' has no closing bracket at its end; write for example  "
-                   "scan -> encoder [100] -> brain [100, delay 5 ms] [SL0101]"}},
+                  {"x.yaml:12:63: '[2] fast' ... scan -> encoder [100] -> brain [100, delay 5 ms] "
+                   "... [SL0101]"}},
         WrongFile{"width that is a word",
                   {{"wheels [2]", "wheels [two]"}},
                   {"x.yaml:12:64: 'two' is neither a width from 1 to 16777216 nor a delay; write "
                    "for example  scan -> encoder [100] -> brain [100, delay 5 ms] [SL0307]"}},
         WrongFile{"width of zero",
                   {{"wheels [2]", "wheels [0]"}},
-                  {"x.yaml:12:64: '0' is neither a width from 1 to 16777216 nor a delay; write for "
-                   "example  scan -> encoder [100] -> brain [100, delay 5 ms] [SL0307]"}},
+                  {"x.yaml:12:64: '0' ... 1 to 16777216 ... scan -> encoder [100] -> brain [100, "
+                   "delay 5 ms] ... [SL0307]"}},
         WrongFile{"huge width",
                   {{"wheels [2]", "wheels [2000000000]"}},
-                  {"x.yaml:12:64: '2000000000' is neither a width from 1 to 16777216 nor a delay; "
-                   "write for example  scan -> encoder [100] -> brain [100, delay 5 ms] [SL0307]"}},
+                  {"x.yaml:12:64: '2000000000' ... 1 to 16777216 ... scan -> encoder [100] -> "
+                   "brain [100, delay 5 ms] ... [SL0307]"}},
         WrongFile{"two widths in a bracket",
                   {{"wheels [2]", "wheels [2, 3]"}},
                   {"x.yaml:12:67: '3' is the second of its kind here; write one width and one "
                    "delay [SL0102]"}},
         WrongFile{"two delays in a bracket",
                   {{"wheels [2]", "wheels [delay 1 ms, delay 2 ms]"}},
-                  {"x.yaml:12:76: 'delay 2 ms' is the second of its kind here; write one width and "
-                   "one delay [SL0102]"}},
+                  {"x.yaml:12:76: 'delay 2 ms' ... [SL0102]"}},
         WrongFile{"node that is not a name",
                   {{"-> encoder [3]", "-> my encoder [3]"}},
                   {"x.yaml:12:13: 'my encoder' is neither a node nor NODE.PORT; write for example  "
                    "scan -> encoder [100] -> brain [100, delay 5 ms] [SL0301]"}},
         WrongFile{"port that is not a name",
                   {{"-> encoder [3]", "-> encoder.in.x [3]"}},
-                  {"x.yaml:12:13: 'encoder.in.x' is neither a node nor NODE.PORT; write for "
-                   "example  scan -> encoder [100] -> brain [100, delay 5 ms] [SL0301]"}},
+                  {"x.yaml:12:13: 'encoder.in.x' ... NODE.PORT ... scan -> encoder [100] -> brain "
+                   "[100, delay 5 ms] ... [SL0301]"}},
         WrongFile{"map with an unknown key",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - {from: "
@@ -242,25 +233,24 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - {from: "
                     "scan.out.x, to: encoder}\n"}},
-                  {"x.yaml:13:12: 'scan.out.x' is neither a node nor NODE.PORT; write for example  "
-                   "left, right.out  or  left + right.out [SL0301]"}},
+                  {"x.yaml:13:12: 'scan.out.x' ... NODE.PORT ... left, right.out  or  left + "
+                   "right.out ... [SL0301]"}},
         WrongFile{"connection that is a list",
                   {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
                     "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - [scan, "
                     "encoder]\n"}},
                   {"x.yaml:13:5: a connection is a line or a map, this is a list; write  - scan -> "
                    "encoder [100] [SL0105]"}},
-        WrongFile{
-            "three connections that cannot be read",
-            {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
-              "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - scan\n "
-              " - scan -> encoder [x]\n  - scan => encoder\n"}},
-            {"x.yaml:13:5: 'scan' is not a connection; write for example  scan -> encoder [100] "
-             "-> brain [100, delay 5 ms] [SL0101]",
-             "x.yaml:14:22: 'x' is neither a width from 1 to 16777216 nor a delay; write for "
-             "example  scan -> encoder [100] -> brain [100, delay 5 ms] [SL0307]",
-             "x.yaml:15:10: '=>' is not an arrow; write for example  scan -> encoder [100] -> "
-             "brain [100, delay 5 ms] [SL0101]"}},
+        WrongFile{"three connections that cannot be read",
+                  {{"  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",
+                    "  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n  - scan\n "
+                    " - scan -> encoder [x]\n  - scan => encoder\n"}},
+                  {"x.yaml:13:5: 'scan' ... scan -> encoder [100] -> brain [100, delay 5 ms] ... "
+                   "[SL0101]",
+                   "x.yaml:14:22: 'x' ... 1 to 16777216 ... scan -> encoder [100] -> brain [100, "
+                   "delay 5 ms] ... [SL0307]",
+                   "x.yaml:15:10: '=>' ... scan -> encoder [100] -> brain [100, delay 5 ms] ... "
+                   "[SL0101]"}},
         WrongFile{"faults of a node and of a connection",
                   {{"-> encoder", "-> encodr"},
                    {"200 Hz", "200"},

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/experiment/experiment_text.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::test {
 
@@ -11,7 +12,7 @@ struct WrongFile {
   const char* what;
   /// What to write instead of a part of the good file; an empty part: the whole file.
   std::vector<std::pair<std::string, std::string>> instead;
-  std::vector<std::string> faults;  ///< all that is said, without directories
+  std::vector<std::string> faults;  ///< all that is said, without directories: patterns of Fault()
   std::map<std::string, std::string> files{};
 };
 
@@ -22,7 +23,11 @@ inline void PrintTo(const WrongFile& wrong, std::ostream* out) {
 inline void expect_faults(const WrongFile& wrong) {
   const Files files(with(wrong.instead), wrong.files);
   const experiment::NodeTypes types;
-  EXPECT_THAT(read(files, types).faults, testing::ElementsAreArray(wrong.faults)) << wrong.what;
+  std::vector<testing::Matcher<std::string>> faults;
+  for (const std::string& fault : wrong.faults) {
+    faults.emplace_back(Fault(fault));
+  }
+  EXPECT_THAT(read(files, types).faults, testing::ElementsAreArray(faults)) << wrong.what;
 }
 
 inline std::string repeated(const std::string& text, int times) {

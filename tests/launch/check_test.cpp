@@ -128,7 +128,8 @@ TEST(CheckTogether, OneTick) {
 TEST(CheckTogether, OneLength) {
   const std::string text = std::string(kTwo) + "stoptime=2\n";
   EXPECT_THAT(warnings(together(text)),
-              ElementsAre(Fault("f:8:1: 'b' runs for 2 s, but 'a' without end ... [SL0602]")));
+              ElementsAre(Fault("f:8:1: 'b' runs for 2 s, but 'a' without end; write one stoptime "
+                                "at the top of the file [SL0602]")));
   EXPECT_THAT(texts(together(text)), IsEmpty());
   RunOptions options;
   options.strict = true;
@@ -182,9 +183,10 @@ TEST(CheckTogether, TwoThatPublishAtOnePlace) {
   EXPECT_THAT(warnings(together(two("binary=ros_command_adapter\nros_topic=/go\n"))),
               ElementsAre(Fault("f:11:1: 'b' and 'c' both publish /go, and the robot obeys both in "
                                 "turn; write another ros_topic ... [SL0506]")));
-  EXPECT_THAT(texts(together(two("binary=cont_zmq_adapter\n"))),
-              ElementsAre(Fault("f:7:1: 'b' and 'c' both publish at tcp://127.0.0.1:5556, which "
-                                "only one program can; write another zmq_addr ... [SL0506]")));
+  EXPECT_THAT(
+      texts(together(two("binary=cont_zmq_adapter\n"))),
+      ElementsAre(Fault("f:7:1: 'b' and 'c' both publish at tcp://127.0.0.1:5556, which only one "
+                        "program can; write another zmq_addr in one of them [SL0506]")));
 }
 
 TEST(CheckTogether, OtherSpellingsOfOnePlace) {
@@ -217,7 +219,7 @@ TEST(CheckTogether, OneNameANode) {
   EXPECT_THAT(
       texts(together(text)),
       ElementsAre(Fault("f:9:1: 'a' and 'b' have the ros_node_name n, and ROS would end the one "
-                        "that comes first; write another ros_node_name ... [SL0506]")));
+                        "that comes first; write another ros_node_name in one of them [SL0506]")));
 }
 
 TEST(CheckTogether, AMisspeltKeyAtTheTop) {

@@ -53,7 +53,7 @@ struct Wrong {
   const char* what;
   /// What to write instead of a part of the good file; an empty part: the whole file.
   std::vector<std::pair<std::string, std::string>> instead;
-  const char* words;  ///< in the last line
+  const char* words;  ///< of the last line: a pattern of Fault()
   int exit_code = 2;
   std::map<std::string, std::string> files{};  ///< more of them, or others
   std::vector<std::string> options{};

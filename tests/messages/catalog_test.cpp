@@ -12,8 +12,6 @@ namespace {
 using namespace spikeloop::messages;
 using spikeloop::test::error_of;
 using spikeloop::test::Fault;
-using testing::HasSubstr;
-using testing::StrEq;
 
 // std_msgs/Duration and actionlib_msgs/GoalStatus as their pages on docs.ros.org list them.
 TEST(Catalog, md5_with_constants_is_the_published_one) {

@@ -129,9 +129,8 @@ TEST(FieldPath, errors_say_what_to_write) {
   EXPECT_EQ(error_of("k.seconds"),
             "field path 'k.seconds' of my_msgs/All: a time has no field 'seconds'; write k.secs, "
             "k.nsecs or k (seconds) [SL0504]");
-  EXPECT_THAT(
-      error_of("m"),
-      Fault("field path 'm' of my_msgs/All: ... name a field with a number type ... [SL0504]"));
+  EXPECT_THAT(error_of("m"), Fault("field path 'm' of my_msgs/All: a text is not a number; name a "
+                                   "field with a number type [SL0504]"));
 }
 
 TEST(FieldPath, nobody_reaches_for_more_elements_than_a_port_has_channels) {
@@ -169,7 +168,8 @@ TEST(FieldPath, hostile_lengths_end_at_once) {
     reader.read(message({0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0}), values);
     FAIL();
   } catch (const spikeloop::TransportError& error) {
-    EXPECT_THAT(error.what(), Fault("message of 8 ... (at byte 4) ... [SL0509]"));
+    EXPECT_THAT(error.what(),
+                Fault("message of 8 bytes is shorter than its type says (at byte 4) [SL0509]"));
   }
   // Four thousand million elements of nothing are skipped in no time.
   EXPECT_EQ(

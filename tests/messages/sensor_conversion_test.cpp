@@ -16,7 +16,6 @@ namespace {
 using spikeloop::test::Fault;
 using namespace spikeloop::messages;
 using spikeloop::test::error_of;
-using testing::DoubleEq;
 using testing::ElementsAre;
 using testing::IsNan;
 
@@ -126,8 +125,10 @@ TEST(SensorConversion, malformed_messages_change_nothing) {
   EXPECT_EQ(c.counts().malformed, 3u);
   auto other = conversion("LaserScan", 1);
   EXPECT_FALSE(other.convert(scan({2.5}, 4, 4)));
-  EXPECT_THAT(other.take_warning(), Fault("a sensor_msgs/LaserScan ... its range_min 4 and "
-                                          "range_max 4 leave no range between them ... [SL0509]"));
+  EXPECT_THAT(
+      other.take_warning(),
+      Fault("a sensor_msgs/LaserScan could not be read and is left out: its range_min 4 and "
+            "range_max 4 leave no range between them; the driver must set both [SL0509]"));
 }
 
 TEST(SensorConversion, twist_is_limited) {

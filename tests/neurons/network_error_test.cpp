@@ -97,7 +97,8 @@ INSTANTIATE_TEST_SUITE_P(
             "net.yaml:1:1: network file: key 'output' is missing; write  output: [name of a "
             "population] [SL0104]"},
         NetworkCase{"output_word", "populations:\n  a: {model: repeater, size: 1}\noutput: a\n",
-                    "net.yaml:3:9: key 'output': ... output: [name] ... [SL0105]"},
+                    "net.yaml:3:9: key 'output': expected a list of populations; write  output: "
+                    "[name] [SL0105]"},
         NetworkCase{"output_unknown",
                     "populations:\n  relay: {model: repeater, size: 1}\noutput: [rellay]\n",
                     "net.yaml:3:10: key 'output': unknown population 'rellay'; did you mean "
@@ -252,7 +253,7 @@ INSTANTIATE_TEST_SUITE_P(
         NetworkCase{"one_to_one_sizes",
                     with_connection("from: input, to: relay, rule: one_to_one, delay: 1 ms"),
                     "net.yaml:6:36: rule one_to_one needs populations of one size, but 'input' has "
-                    "2 and 'relay' has 3; write all_to_all ... [SL0308]"},
+                    "2 and 'relay' has 3; write all_to_all, pairs or a weight file [SL0308]"},
         NetworkCase{
             "repeater_weight",
             with_connection("from: input, to: relay, rule: all_to_all, weight: 2, delay: 1 ms"),

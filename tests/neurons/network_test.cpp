@@ -282,7 +282,7 @@ TEST_F(NetworkClass, NamesAFileThatIsNotThere) {
     FAIL();
   } catch (const FileError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("/nowhere/brain.yaml"));
-    EXPECT_THAT(error.what(), testing::HasSubstr("No such file or directory"));
+    EXPECT_THAT(error.what(), Fault("... [SL0109]"));
   }
 }
 

@@ -60,9 +60,10 @@ INSTANTIATE_TEST_SUITE_P(
         NetworkCase{"off", "resolution: off\n" + one("{model: lin_rate_ipn, size: 1}"),
                     "net.yaml:3:14: population 'a': model lin_rate_ipn ... resolution: 0.1 ms ... "
                     "[SL0207]"},
-        NetworkCase{"spikes_to_rate", joined("from: input, to: a, rule: one_to_one"),
-                    "net.yaml:10:12: connection 1: rate neurons take rates and signals, but "
-                    "'input' is of model input ... signal_input ... [SL0405]"},
+        NetworkCase{
+            "spikes_to_rate", joined("from: input, to: a, rule: one_to_one"),
+            "net.yaml:10:12: connection 1: rate neurons take rates and signals, but 'input' is of "
+            "model input; write a population of rate neurons or a signal_input [SL0405]"},
         NetworkCase{"membrane_to_rate", joined("from: cell, to: a, rule: one_to_one, delay: 1"),
                     "net.yaml:10:12: connection 1: ... but 'cell' is of model iaf_psc_exp ... "
                     "signal_input ... [SL0405]"},
@@ -84,15 +85,16 @@ INSTANTIATE_TEST_SUITE_P(
             "net.yaml:10:52: connection 1: key 'weight': '1 pA': ... 'pA' ... 1 ... [SL0202]"},
         NetworkCase{"delay_grid", joined("from: a, to: b, rule: one_to_one, delay: 0.05"),
                     "net.yaml:10:47: delay 50 us ... 100 us ... 100 us ... [SL0207]"},
-        NetworkCase{
-            "delay_negative", joined("from: a, to: b, rule: one_to_one, delay: -1"),
-            "net.yaml:10:47: connection 1: delay '-1' ... 1 ns to 1e9 ms ... 1 ms ... [SL0207]"},
+        NetworkCase{"delay_negative", joined("from: a, to: b, rule: one_to_one, delay: -1"),
+                    "net.yaml:10:47: connection 1: delay '-1' is not a whole number of nanoseconds "
+                    "from 1 ns to 1e9 ms; write for example 1 ms [SL0207]"},
         NetworkCase{"delay_long", joined("from: a, to: b, rule: one_to_one, delay: 1 h"),
                     "net.yaml:10:47: delay 3600 s is 36000000 steps of 100 us for each of 2 "
                     "sources ... NEST, NEURON or Brian2 ... [SL0310]"},
         NetworkCase{"rates_of_spikes", std::string(kRates) + "rates: [cell]\n",
-                    "net.yaml:9:9: key 'rates': 'cell' ... iaf_psc_exp, which has no rate ... "
-                    "lin_rate_ipn, threshold_lin_rate_ipn or sigmoid_rate_ipn ... [SL0405]"},
+                    "net.yaml:9:9: key 'rates': 'cell' is of model iaf_psc_exp, which has no rate; "
+                    "write a population of model lin_rate_ipn, threshold_lin_rate_ipn or "
+                    "sigmoid_rate_ipn [SL0405]"},
         NetworkCase{
             "rates_twice", std::string(kRates) + "rates: [a, a]\n",
             "net.yaml:9:12: key 'rates': population 'a' is named twice; write it once [SL0102]"},
@@ -125,7 +127,7 @@ INSTANTIATE_TEST_SUITE_P(
                     "you mean 'reward'? [SL0301]"},
         NetworkCase{"reward_size", hebbian("rule: reward_hebbian, reward: a"),
                     "net.yaml:10:96: connection 1: plasticity: reward 'a' is a lin_rate_ipn of "
-                    "size 2 ... [SL0405]"},
+                    "size 2; write a population of one rate neuron [SL0405]"},
         NetworkCase{"reward_signal", hebbian("rule: reward_hebbian, reward: drive"),
                     "net.yaml:10:96: connection 1: plasticity: reward 'drive' is a signal_input of "
                     "size 2 ... [SL0405]"},

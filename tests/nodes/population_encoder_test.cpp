@@ -226,7 +226,7 @@ TEST(PopulationEncoder, WhatDoesNotFitIsRefused) {
   for (const char* sigma : {"0", "-1", "1e-10"}) {
     EXPECT_THAT(failure({{"sigma", sigma}}, 1, 4),
                 Fault(std::string("test.yaml:7:3: key 'sigma': ") + sigma +
-                      "... 1e-09, or auto ... [SL0203]"));
+                      " is out of bounds; write a number of at least 1e-09, or auto [SL0203]"));
   }
   EXPECT_THAT(failure({{"initial", "inf"}}, 1, 4),
               Fault("test.yaml:7:3: key 'initial': 'inf' ... 'none' ... [SL0201]"));

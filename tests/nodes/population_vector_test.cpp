@@ -217,9 +217,10 @@ TEST(PopulationVector, WhatDoesNotFitIsRefused) {
       NodeHarness("population_vector", {in, out}, {.weights = table, .weights_key = "directions"});
     });
   };
-  EXPECT_THAT(failure(WeightTable::uniform(), 4, 2),
-              Fault("test.yaml:8:3: key 'directions': in a uniform table all neurons prefer the "
-                    "same ... or even ... [SL0308]"));
+  EXPECT_THAT(
+      failure(WeightTable::uniform(), 4, 2),
+      Fault("test.yaml:8:3: key 'directions': in a uniform table all neurons prefer the same; "
+            "write a table with a row an output and a column a neuron, or even [SL0308]"));
   EXPECT_THAT(failure(WeightTable::dense(2, 2, {1, 2, 3, 4}), 3, 2),
               Fault("test.yaml:8:3: key 'directions': ... 2 rows and 2 columns ... 2 outputs and 3 "
                     "inputs ... [SL0308]"));

@@ -11,7 +11,6 @@ namespace {
 
 using test::Fault;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 TEST(PythonFileTest, DescribesItsNodes) {

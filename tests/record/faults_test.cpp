@@ -10,12 +10,14 @@
 #include "spikeloop/record/recorder.hpp"
 #include "steps.hpp"
 #include "tests/support/child.hpp"
+#include "tests/support/fault.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop {
 namespace {
 
 using record::Recorder;
+using test::Fault;
 using testing::HasSubstr;
 
 /// What an expression that must throw `E` says.
@@ -120,8 +122,8 @@ TEST_F(RecorderFaults, CloseFromAnotherThreadSaysWhenItIsDone) {
 
 TEST_F(RecorderFaults, UnwritablePathIsNamed) {
   const std::string nowhere = file("missing/x.h5");
-  EXPECT_EQ(message<FileError>([&] { Recorder(nowhere, "x", {}); }),
-            "cannot create '" + nowhere + "': No such file or directory [SL0109]");
+  EXPECT_THAT(message<FileError>([&] { Recorder(nowhere, "x", {}); }),
+              Fault("cannot create '" + nowhere + "': ... [SL0109]"));
   EXPECT_EQ(message<FileError>([&] { Recorder(directory_.path(), "x", {}); }),
             "cannot create '" + directory_.path().string() + "': Is a directory [SL0109]");
 }
@@ -167,8 +169,8 @@ TEST_F(RecorderFaults, ReaderRefusesAChannelThatTheStreamHasNot) {
 
 TEST_F(RecorderFaults, ReaderNamesWhatItCannotRead) {
   const std::string missing = file("missing.h5");
-  EXPECT_EQ(message<FileError>([&] { record::read_info(missing); }),
-            "cannot open '" + missing + "': No such file or directory [SL0109]");
+  EXPECT_THAT(message<FileError>([&] { record::read_info(missing); }),
+              Fault("cannot open '" + missing + "': ... [SL0109]"));
   const std::string text = directory_.write("text.h5", "just a text");
   EXPECT_EQ(message<FileError>([&] { record::read_info(text); }),
             "cannot read '" + text + "': not an HDF5 file, or damaged [SL0109]");

@@ -48,7 +48,7 @@ TEST(Publisher, NeedsAPlaceOfItsOwn) {
       "write an IP address of this machine, as in tcp://127.0.0.1:5556, or tcp://*:5556 ... "
       "[SL0501]";
   EXPECT_THAT(problem("tcp://localhost:5599"),
-              Fault("zmq_addr 'tcp://localhost:5599' ... " + remedy));
+              Fault("zmq_addr 'tcp://localhost:5599' is not an address to publish at; " + remedy));
   EXPECT_THAT(problem("tcp://[::1]:5599"), Fault("zmq_addr 'tcp://[::1]:5599' ... " + remedy));
   EXPECT_NO_THROW(Publisher({"tcp://lo:*", "FloatArray", 0, 0, 1}));
   const std::string far = "ipc:///" + std::string(107, 'x');
