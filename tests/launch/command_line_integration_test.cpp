@@ -5,6 +5,7 @@
 #include <array>
 
 #include "tests/launch/launcher.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::test {
 namespace {
@@ -129,15 +130,14 @@ TEST(CommandLine, NumbersMayHaveUnits) {
 TEST(CommandLine, AFileThatIsNotThere) {
   const Outcome outcome = type({"run", "/nowhere/x.music"});
   EXPECT_EQ(outcome.exit_code, 4);
-  EXPECT_THAT(outcome.err, HasSubstr("'/nowhere/x.music': No such file or directory"));
+  EXPECT_THAT(outcome.err, Fault("... '/nowhere/x.music': ... [SL0109]\n"));
 }
 
 TEST(CommandLine, ARunFolderThatCannotBeMade) {
   const TwoPrograms job;
   const Outcome outcome = type({"run", job.file(), "--out", "/proc/none"});
   EXPECT_EQ(outcome.exit_code, 4);
-  EXPECT_EQ(outcome.err,
-            "spikeloop: cannot make the folder '/proc/none': No such file or directory [SL0109]\n");
+  EXPECT_THAT(outcome.err, Fault("spikeloop: cannot make the folder '/proc/none': ... [SL0109]\n"));
 }
 
 TEST(CommandLine, AFileThatMusicWouldHangOn) {

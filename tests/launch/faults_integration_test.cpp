@@ -17,7 +17,7 @@ using testing::HasSubstr;
 constexpr int kStart_s = 5;
 constexpr int kStall_s = 3;
 
-struct Fault {
+struct FaultCase {
   const char* behaviour;
   const char* when;
   int place;          ///< in the chain
@@ -26,12 +26,12 @@ struct Fault {
   bool governed;      ///< by a deadline
 };
 
-void PrintTo(const Fault& fault, std::ostream* out) {
+void PrintTo(const FaultCase& fault, std::ostream* out) {
   *out << fault.behaviour << " at " << fault.when << ", place " << fault.place;
 }
 
 /// source -> relay -> sink, of which one misbehaves.
-std::string chain(const Fault& fault) {
+std::string chain(const FaultCase& fault) {
   const char* const ports[] = {"input=no", "", "output=no"};
   std::string text = "stoptime=0.5\n";
   for (int i = 0; i < 3; ++i) {
@@ -44,10 +44,10 @@ std::string chain(const Fault& fault) {
   return text + "p0.out -> p1.in [1]\np1.out -> p2.in [1]\n";
 }
 
-class Faults : public testing::TestWithParam<Fault> {};
+class Faults : public testing::TestWithParam<FaultCase> {};
 
 TEST_P(Faults, AreNamedAndLeaveNothingBehind) {
-  const Fault& fault = GetParam();
+  const FaultCase& fault = GetParam();
   const TemporaryDirectory directory;
   std::filesystem::create_symlink(SPIKELOOP_TEST_PROGRAM, directory.path() / "spikeloop-network");
   const std::string file = directory.write("chain.music", chain(fault));
@@ -76,24 +76,23 @@ TEST_P(Faults, AreNamedAndLeaveNothingBehind) {
   EXPECT_LT(taken, 15s);
 }
 
-std::vector<Fault> everywhere() {
-  const Fault kinds[] = {
-      {"exit", "start", 0, 7, "ended with exit code 7; its last line: ValueError: no such synapse",
-       false},
-      {"exit", "middle", 0, 7, "ended with exit code 7", false},
+std::vector<FaultCase> everywhere() {
+  const FaultCase kinds[] = {
+      {"exit", "start", 0, 7, "exit code 7; its last line: ValueError: no such synapse", false},
+      {"exit", "middle", 0, 7, "exit code 7", false},
       // Open MPI 4.1 may miss the end of a program for which the others wait in MPI_Finalize; the
       // launcher then sees that it has gone, but not how.
       {"exit", "end", 0, -1, "its last line: ValueError: no such synapse", false},
       {"leave", "start", 0, -1, "ended without MUSIC's finalize", false},
       {"leave", "middle", 0, -1, "ended without MUSIC's finalize", false},
-      {"throw", "start", 0, 134, "was killed by signal 6 (Aborted)", false},
-      {"throw", "middle", 0, 134, "was killed by signal 6 (Aborted)", false},
-      {"crash", "middle", 0, 139, "was killed by signal 11 (Segmentation fault)", false},
-      {"die", "start", 0, 137, "was killed by signal 9 (Killed)", false},
-      {"die", "middle", 0, 137, "was killed by signal 9 (Killed)", false},
+      {"throw", "start", 0, 134, "signal 6 (Aborted)", false},
+      {"throw", "middle", 0, 134, "signal 6 (Aborted)", false},
+      {"crash", "middle", 0, 139, "signal 11 (Segmentation fault)", false},
+      {"die", "start", 0, 137, "signal 9 (Killed)", false},
+      {"die", "middle", 0, 137, "signal 9 (Killed)", false},
       {"die", "end", 0, -1, "", false},
-      {"abort", "start", 0, 9, "ended with exit code 9", false},
-      {"abort", "middle", 0, 9, "ended with exit code 9", false},
+      {"abort", "start", 0, 9, "exit code 9", false},
+      {"abort", "middle", 0, 9, "exit code 9", false},
       {"hang", "start", 0, 3, "the job has not begun within 5 s; ", true},
       {"hang", "middle", 0, 3, "does not come to the end of its step", true},
       {"hang", "end", 0, 3, "has left its loop, but does not end", true},
@@ -102,8 +101,8 @@ std::vector<Fault> everywhere() {
       {"finalize_mpi", "middle", 0, 3, "does not come to the end of its step", true},
       {"end_early", "middle", 0, 3, "before its stoptime of 0.5 s", false},
   };
-  std::vector<Fault> all;
-  for (Fault fault : kinds) {
+  std::vector<FaultCase> all;
+  for (FaultCase fault : kinds) {
     for (fault.place = 0; fault.place < 3; ++fault.place) {
       all.push_back(fault);
     }

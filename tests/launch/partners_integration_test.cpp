@@ -4,6 +4,7 @@
 
 #include "spikeloop/launch/ros_master.hpp"
 #include "tests/launch/launcher.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::test {
 namespace {
@@ -26,8 +27,7 @@ TEST(Mpirun, ThatDoesNotStartTheJobIsTheReason) {
   const TwoPrograms job;
   const Outcome outcome = run_with(job, "mpirun", "echo 'no room for 2' >&2; exit 3");
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_EQ(last_line(outcome.err),
-            "spikeloop: mpirun ended with exit code 3; its last line: no room for 2");
+  EXPECT_THAT(last_line(outcome.err), Fault("spikeloop: mpirun ... 3 ... no room for 2"));
 }
 
 TEST(Mpirun, ThatHangsWhenAllIsDoneIsEnded) {
@@ -72,15 +72,14 @@ TEST(OwnRosMaster, ThatGivesAReasonIsQuoted) {
                                    "echo 'The traceback is in the log file' >&2; exit 1",
                                    {"--roscore"});
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_EQ(last_line(outcome.err),
-            "spikeloop: rosmaster ended before it answered; it says: Unable to contact my own "
-            "server [SL0701]");
+  EXPECT_THAT(last_line(outcome.err),
+              Fault("spikeloop: ... it says: Unable to contact my own server ... [SL0701]"));
 }
 
 TEST(OwnRosMaster, ThatEndsWithoutAWordToo) {
   const TwoPrograms job;
   const Outcome outcome = run_with(job, "rosmaster", "", {"--roscore"});
-  EXPECT_EQ(last_line(outcome.err), "spikeloop: rosmaster ended before it answered [SL0701]");
+  EXPECT_THAT(last_line(outcome.err), Fault("spikeloop: ... [SL0701]"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "spikeloop/launch/ros_master.hpp"
 #include "tests/launch/launcher.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::test {
 namespace {
@@ -39,12 +40,10 @@ TEST(RosMasterOfAJob, HasNoAddress) {
   command.environment["ROS_MASTER_URI"] = "http://no-such-host.invalid:11311";
   const Outcome outcome = run(command);
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_THAT(last_line(outcome.err),
-              testing::MatchesRegex(
-                  "spikeloop: no ROS master answers at http://no-such-host.invalid:11311: the host "
-                  "name 'no-such-host.invalid' cannot be resolved \\([^)]+\\); add the line "
-                  "'IP-ADDRESS no-such-host.invalid' to /etc/hosts, or write another address into "
-                  "ROS_MASTER_URI \\[SL0701\\]"));
+  EXPECT_THAT(
+      last_line(outcome.err),
+      Fault("spikeloop: ... http://no-such-host.invalid:11311: ... 'IP-ADDRESS "
+            "no-such-host.invalid' ... or write another address into ROS_MASTER_URI [SL0701]"));
 }
 
 TEST(RosMasterOfAJob, IsStartedAndStopped) {

@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "tests/launch/launcher.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::test {
 namespace {
@@ -124,9 +125,8 @@ TEST(Run, AForeignProgramThatExitsIsNamedWithItsLastLine) {
   const TwoPrograms job("", "silent=yes\nbehaviour=exit", "./foreign");
   const Outcome outcome = run(job.command());
   EXPECT_EQ(outcome.exit_code, 7);
-  EXPECT_EQ(last_line(outcome.err),
-            "spikeloop: 'b' (foreign) ended with exit code 7; its last line: ValueError: no such "
-            "synapse");
+  EXPECT_THAT(last_line(outcome.err),
+              Fault("spikeloop: 'b' (foreign) ... 7 ... ValueError: no such synapse"));
 }
 
 TEST(Run, AProgramThatLeavesWithoutFinalizeIsAFailure) {
@@ -165,13 +165,11 @@ TEST(Run, AJobThatDoesNotBeginIsEnded) {
   const TwoPrograms job("", "behaviour=never_tick");
   const Outcome outcome = run(job.command({"--start-timeout", "5"}));
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_EQ(
-      last_line(outcome.err),
-      "spikeloop: the job has not begun within 5 s; started, but still without a first tick: "
-      "'b' (spikeloop-network); waiting for the others: 'a' (poisson_encoder). A program that "
-      "does not call MPI_Barrier(MPI_COMM_WORLD) between MUSIC's Setup and Runtime needs "
-      "barrier=false in "
-      "the file; one that starts slowly needs a longer --start-timeout [SL0703]");
+  EXPECT_THAT(last_line(outcome.err),
+              Fault("spikeloop: ... 5 s; started ... 'b' (spikeloop-network) ... 'a' "
+                    "(poisson_encoder). A program that does not call MPI_Barrier(MPI_COMM_WORLD) "
+                    "between MUSIC's Setup and Runtime needs barrier=false in the file; one that "
+                    "starts slowly needs a longer --start-timeout ... [SL0703]"));
   EXPECT_EQ(outcome.left_behind, 0);
 }
 

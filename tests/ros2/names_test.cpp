@@ -13,7 +13,6 @@ using spikeloop::test::Fault;
 using namespace spikeloop;
 using namespace spikeloop::ros2;
 using test::error_of;
-using testing::HasSubstr;
 
 std::string whole(const std::string& topic, const topics::RosArguments& arguments) {
   const NodeIdentity node = node_identity("brain", arguments);
