@@ -6,6 +6,7 @@
 #include <random>
 #include <sstream>
 
+#include "tests/support/fault.hpp"
 #include "tests/support/music_job.hpp"
 
 namespace spikeloop::test {
@@ -144,10 +145,8 @@ TEST_F(NetworkProgram, EndsTheJobWithPlaceAndRemedy) {
   directory_.write("relay.yaml", fmt::format(kRelay, "0.3 ms", "3 ms"));
   Outcome outcome = run(music_job(directory_, 3, job("network=relay.yaml", 0.001, 0.1)));
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(
-      outcome.text(),
-      HasSubstr("network: relay.yaml:1:13: the tick 1 ms is not a whole number of the network's "
-                "resolution 300 us; write a tick of 900 us or another resolution"));
+  EXPECT_THAT(outcome.text(), Fault("... network: relay.yaml:1:13: the tick 1 ms ... network's "
+                                    "resolution 300 us ... 900 us ... [SL0207] ..."));
 
   directory_.write("relay.yaml", fmt::format(kRelay, "0.1 ms", "3 ms"));
   outcome = run(music_job(directory_, 3, job("network=relay.yaml", 0.001, 0.1, 19)));

@@ -9,11 +9,13 @@
 
 #include "robot_job.hpp"
 #include "spikeloop/status/status.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::robot {
 namespace {
 
 using nlohmann::json;
+using test::Fault;
 
 std::vector<std::vector<double>> table(const std::string& csv) {
   std::istringstream lines(csv);
@@ -121,25 +123,23 @@ void expect_failure(const RobotJob& job, std::vector<std::string> arguments, int
   status::Receiver receiver(job.status_socket());
   const auto outcome = job.run(job.robot(arguments));
   EXPECT_EQ(outcome.exit_code, exit_code);
-  EXPECT_EQ(outcome.err, "spikeloop-robot: " + message + "\n");
+  EXPECT_THAT(outcome.err, Fault("spikeloop-robot: " + message + "\n"));
   const auto failure = receiver.next(std::chrono::milliseconds(100));
   ASSERT_TRUE(failure);
   EXPECT_EQ((*failure)["type"], "failure");
   EXPECT_EQ((*failure)["exit_code"], exit_code);
-  EXPECT_EQ((*failure)["message"], message);
+  EXPECT_THAT((*failure)["message"].get<std::string>(), Fault(message));
 }
 
 TEST(RobotErrors, NoMaster) {
   RobotJob job;
-  job.set_master("http://127.0.0.1:" + std::to_string(test::free_port()));
+  const std::string uri = "http://127.0.0.1:" + std::to_string(test::free_port());
+  job.set_master(uri);
   status::Receiver receiver(job.status_socket());
   const auto outcome = job.run(job.robot({"--master-timeout", "0.3"}));
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_THAT(outcome.err,
-              testing::MatchesRegex("spikeloop-robot: no ROS master answers at "
-                                    "http://127.0.0.1:[0-9]+ within 300 ms \\(Connection "
-                                    "refused\\); start one with roscore, or set ROS_MASTER_URI to "
-                                    "where it is \\[SL0701\\]\n"));
+  EXPECT_THAT(outcome.err, Fault("spikeloop-robot: ... " + uri +
+                                 " ... 300 ms (Connection refused) ... [SL0701]\n"));
   EXPECT_EQ((*receiver.next(std::chrono::milliseconds(100)))["exit_code"], 3);
 }
 
@@ -148,12 +148,8 @@ TEST(RobotErrors, AMasterWithoutAnAddress) {
   job.set_master("http://no-such-host.invalid:11311");
   const auto outcome = job.run(job.robot({"--master-timeout", "0"}));
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_THAT(outcome.err,
-              testing::MatchesRegex(
-                  "spikeloop-robot: no ROS master answers at http://no-such-host.invalid:11311 "
-                  "within 0 s: the host name 'no-such-host.invalid' cannot be resolved "
-                  "\\([^)]+\\); add the line 'IP-ADDRESS no-such-host.invalid' to /etc/hosts, "
-                  "or set ROS_MASTER_URI to where the master is \\[SL0701\\]\n"));
+  EXPECT_THAT(outcome.err, Fault("spikeloop-robot: ... http://no-such-host.invalid:11311 ... 0 s "
+                                 "... 'IP-ADDRESS no-such-host.invalid' ... [SL0701]\n"));
 }
 
 TEST(RobotRun, CanBeStoppedWhileItWaitsForTheMaster) {
@@ -175,25 +171,21 @@ TEST(RobotRun, CanBeStoppedWhileItWaitsForTheMaster) {
 TEST(RobotErrors, AMalformedMaster) {
   RobotJob job;
   job.set_master("elsewhere");
-  expect_failure(
-      job, {}, 2,
-      "ROS_MASTER_URI is 'elsewhere', which is not an address; write http://HOST:PORT, as in "
-      "http://localhost:11311 [SL0510]");
+  expect_failure(job, {}, 2,
+                 "ROS_MASTER_URI is 'elsewhere' ... http://HOST:PORT, as in http://localhost:11311 "
+                 "... [SL0510]");
 }
 
 TEST(RobotErrors, Names) {
   RobotJob job;
   job.start_core();
   expect_failure(job, {"--scan-topic", "/my scan"}, 2,
-                 "'/my scan' is not a valid ROS topic name; write letters, digits, '_' and '/', "
-                 "beginning with a letter or '/', as in /cmd_vel [SL0501]");
-  expect_failure(
-      job, {"--cmd-topic", "a-b"}, 2,
-      "'a-b' is not a valid ROS topic name; write letters, digits, '_' and '/', beginning "
-      "with a letter or '/', as in /cmd_vel [SL0501]");
-  const std::string node =
-      "'a/b' is not a valid ROS node name; write a letter followed by letters, digits and '_' "
-      "[SL0501]";
+                 "'/my scan' ... ROS topic name; write letters, digits, '_' and '/' ... '/', as in "
+                 "/cmd_vel ... [SL0501]");
+  expect_failure(job, {"--cmd-topic", "a-b"}, 2,
+                 "'a-b' ... ROS topic name; write letters, digits, '_' and '/' ... '/', as in "
+                 "/cmd_vel ... [SL0501]");
+  const std::string node = "'a/b' ... ROS node name ... digits and '_' ... [SL0501]";
   expect_failure(job, {"--node-name", "a/b"}, 2, node);
   expect_failure(job, {"__name:=a/b"}, 2, node);
   expect_failure(job, {"/my scan:=/scan"}, 2,
@@ -206,7 +198,7 @@ TEST(RobotErrors, Files) {
   RobotJob job;
   job.start_core();
   expect_failure(job, {"--world", "/nowhere/arena.xml"}, 4,
-                 "cannot open world '/nowhere/arena.xml': No such file or directory [SL0109]");
+                 "cannot open world '/nowhere/arena.xml': ... [SL0109]");
   expect_failure(job, {"--out", "/dev/null/run"}, 4,
                  "cannot make directory '/dev/null/run': Not a directory [SL0109]");
   std::filesystem::create_directories(job.directory().path() / "run/trajectory.csv");

@@ -8,13 +8,13 @@
 
 #include "robot_job.hpp"
 #include "spikeloop/record/reader.hpp"
+#include "tests/support/fault.hpp"
 
 namespace {
 
 using namespace spikeloop::test;
 using ros_peer::eventually;
 using ros_peer::Twist;
-using testing::DoubleNear;
 using testing::HasSubstr;
 
 class AdapterTest : public RobotJob {
@@ -212,9 +212,8 @@ TEST_F(AdapterTest, messages_without_a_reading_do_not_keep_the_data_young) {
   finish();
   EXPECT_THAT(child_->output(), HasSubstr("sensor: warning: topic '/scan': a sensor_msgs/LaserScan "
                                           "brought no reading; the channels keep what they had"));
-  EXPECT_THAT(
-      child_->output(),
-      HasSubstr("command: warning: the robot is stopped: the data are older than max_age, "));
+  EXPECT_THAT(child_->output(),
+              Fault("... command: warning: the robot is stopped: ... max_age, ..."));
 }
 
 // What is recorded is what leaves: after scale, offset and limits.
@@ -255,11 +254,8 @@ TEST_F(AdapterTest, all_channels_without_a_mapping_file_and_a_long_scan) {
   }));
   EXPECT_EQ(robot_.arrays().front(), std::vector<double>(20, 0.0));
   finish();
-  EXPECT_THAT(
-      child_->output(),
-      HasSubstr("sensor: warning: topic '/in': a sensor_msgs/LaserScan brought 100 values, "
-                "but the port has 20 channels: the last 80 are left out; write [100] in its "
-                "connection to have all"));
+  EXPECT_THAT(child_->output(), Fault("... sensor: warning: topic '/in': a sensor_msgs/LaserScan "
+                                      "... 100 ... 20 ... 80 ... [100] ..."));
   EXPECT_THAT(
       child_->output(),
       HasSubstr("command: warning: section 'command' has no message_mapping_filename, which "

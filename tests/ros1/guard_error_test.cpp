@@ -8,6 +8,7 @@
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/guard/link.hpp"
 #include "spikeloop/status/address.hpp"
+#include "tests/support/fault.hpp"
 
 namespace {
 
@@ -73,17 +74,17 @@ TEST_F(GuardErrorTest, no_master) {
   const auto child = started();
   const std::string uri = "http://localhost:" + std::to_string(free_port());
   const guard::Link link(hello(uri));
-  EXPECT_THAT(said_, ElementsAre("the guard refuses: no ROS master answers at " + uri +
-                                 " within 3 s (Connection refused); start one with roscore, or set "
-                                 "ROS_MASTER_URI to where it is [SL0701]" +
-                                 kAlone));
+  EXPECT_THAT(
+      said_,
+      ElementsAre(Fault("the guard refuses: ... " + uri +
+                        " ... 3 s (Connection refused) ... ROS_MASTER_URI ... [SL0701]" + kAlone)));
 }
 
 TEST_F(GuardErrorTest, a_master_that_hangs) {
   const auto child = started();
   const SilentHost host;
   const guard::Link link(hello(host.uri()));
-  EXPECT_THAT(said_, ElementsAre(HasSubstr("no ROS master answers at " + host.uri())));
+  EXPECT_THAT(said_, ElementsAre(Fault("... " + host.uri() + " ... [SL0701] ...")));
   child->signal(SIGTERM);
   EXPECT_EQ(child->wait().exit_code, 0);
 }
@@ -126,7 +127,7 @@ TEST_F(GuardErrorTest, paths_that_cannot_be_sockets) {
                            "/file': Address already in use [SL0109]\n");
   const auto nowhere = run(guard_command({"--socket", "/no/such/folder/guard"}));
   EXPECT_EQ(nowhere.exit_code, 4);
-  EXPECT_THAT(nowhere.err, HasSubstr("No such file or directory [SL0109]"));
+  EXPECT_THAT(nowhere.err, Fault("... [SL0109] ..."));
   const auto longer = run(guard_command({"--socket", "/tmp/" + std::string(120, 'x')}));
   EXPECT_EQ(longer.exit_code, 4);
   EXPECT_THAT(longer.err, HasSubstr("File name too long"));

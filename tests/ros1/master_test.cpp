@@ -12,10 +12,12 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "tests/support/error_of.hpp"
+#include "tests/support/fault.hpp"
 #include "tests/support/roscore.hpp"
 
 namespace {
 
+using spikeloop::test::Fault;
 using namespace spikeloop;
 using namespace spikeloop::ros1;
 using test::error_of;
@@ -119,13 +121,11 @@ TEST(Master, real_one_answers) {
 TEST(Session, names) {
   const test::RosCore core;
   for (const std::string name : {"", "1robot", "a/b", "a b", "~a"}) {
-    const std::string text = "'" + name +
-                             "' is not a valid ROS node name; write a letter followed by letters, "
-                             "digits and '_' [SL0501]";
-    EXPECT_EQ(error_of<Error>([&] { Session(test::node_at(core.uri(), name)); }), text);
+    const std::string text = "'" + name + "' ... [SL0501]";
+    EXPECT_THAT(error_of<Error>([&] { Session(test::node_at(core.uri(), name)); }), Fault(text));
     SessionSettings with_argument = test::node_at(core.uri(), "robot");
     with_argument.arguments = {{"__name", name}};
-    EXPECT_EQ(error_of<Error>([&] { const Session session(with_argument); }), text);
+    EXPECT_THAT(error_of<Error>([&] { const Session session(with_argument); }), Fault(text));
   }
   const Session session(test::node_at(core.uri(), "ros_command_node"));
   EXPECT_THAT(session.node_name(), StartsWith("/ros_command_node_"));

@@ -8,10 +8,12 @@
 #include "ros_peer.hpp"
 #include "settings.hpp"
 #include "spikeloop/core/error.hpp"
+#include "tests/support/fault.hpp"
 #include "tests/support/roscore.hpp"
 
 namespace {
 
+using spikeloop::test::Fault;
 using namespace spikeloop;
 using namespace spikeloop::ros1;
 using ros_peer::eventually;
@@ -139,10 +141,7 @@ TEST_F(RawTopicTest, messages_with_a_header_are_numbered) {
 
 TEST_F(RawTopicTest, errors) {
   for (const std::string topic : {"", "1a", "a b", "~a"}) {
-    const std::string text = "'" + topic +
-                             "' is not a valid ROS topic name; write letters, digits, '_' and '/', "
-                             "beginning with a letter "
-                             "or '/', as in /cmd_vel [SL0501]";
+    const std::string text = "'" + topic + "' ... [SL0501]";
     const auto error_of = [](auto action) -> std::string {
       try {
         action();
@@ -151,8 +150,8 @@ TEST_F(RawTopicTest, errors) {
       }
       return "no error";
     };
-    EXPECT_EQ(error_of([&] { session_.publisher(topic, "geometry_msgs/Twist"); }), text);
-    EXPECT_EQ(error_of([&] { listen(topic, "geometry_msgs/Twist"); }), text);
+    EXPECT_THAT(error_of([&] { session_.publisher(topic, "geometry_msgs/Twist"); }), Fault(text));
+    EXPECT_THAT(error_of([&] { listen(topic, "geometry_msgs/Twist"); }), Fault(text));
   }
   EXPECT_THROW(session_.publisher("/a", "geometry_msgs/Twits"), ConfigurationError);
   EXPECT_THROW(listen("/a", "geometry_msgs/Twits"), ConfigurationError);

@@ -1,18 +1,19 @@
 // What a user did wrong: one line that says what, where and what to write; the error's exit code;
 // and no process left hanging.
 #include "job.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::test {
 namespace {
 
-// The job ended with this exit code and said these words in one line.
+// The job ended with this exit code and said what is like this line.
 void expect_error(const Job& job, int exit_code, const std::string& line) {
   auto command = job.command();
   command.timeout = std::chrono::seconds(30);
   const auto outcome = test::run(command);
   EXPECT_FALSE(outcome.timed_out);
   EXPECT_EQ(outcome.exit_code, exit_code) << outcome.text();
-  EXPECT_TRUE(outcome.says(line + "\n")) << outcome.text();
+  EXPECT_THAT(outcome.text(), Fault("... " + line + "\n ..."));
   EXPECT_EQ(outcome.left_behind, 0);
 }
 
@@ -54,9 +55,9 @@ TEST(Errors, APortThatIsNotThereIsNamedBeforeMusicHangs) {
 TEST(Errors, AMisspeltInputIsNamedRatherThanTheMissingOne) {
   Job job;
   encoder_job(job, "", "source.values -> encoder.inn [3]");
-  expect_error(job, 2,
-               "encoder: " + job.place("encoder.inn") +
-                   ": 'encoder' has no input port 'inn'; did you mean 'in'? [SL0302]");
+  expect_error(
+      job, 2,
+      "encoder: " + job.place("encoder.inn") + ": 'encoder' ... 'inn' ... 'in' ... [SL0302]");
 }
 
 TEST(Errors, NoPortAtAll) {
@@ -86,10 +87,9 @@ TEST(Errors, WidthsThatTheNodeCannotJoin) {
   job.global("stoptime=0.01");
   job.raw("sink").ours("encoder", "rate_encoder").raw("source");
   job.connect("source.values -> encoder.in [3]").connect("encoder.out -> sink.spikes_in [4]");
-  expect_error(
-      job, 2,
-      "encoder: " + job.place("encoder.out ->") +
-          ": port 'encoder.out' has 4 channels but must have 3, as many as 'encoder.in' [SL0306]");
+  expect_error(job, 2,
+               "encoder: " + job.place("encoder.out ->") +
+                   ": port 'encoder.out' has 4 ... 3 ... 'encoder.in' ... [SL0306]");
 }
 
 TEST(Errors, AValueThatIsNoNumber) {
@@ -123,10 +123,10 @@ TEST(Errors, BothSpellingsOfTheWeights) {
       .ours("mean", "connect_adapter", "weights=uniform\nweights_filename=w")
       .raw("source");
   job.connect("source.values -> mean.in [3]").connect("mean.out -> sink.values_in [1]");
-  expect_error(job, 2,
-               "mean: " + job.place("weights_filename") +
-                   ": 'weights' and 'weights_filename' are two spellings of one key; "
-                   "leave out 'weights_filename' [SL0102]");
+  expect_error(
+      job, 2,
+      "mean: " + job.place("weights_filename") +
+          ": 'weights' and 'weights_filename' ... leave out 'weights_filename' ... [SL0102]");
 }
 
 TEST(Errors, MoreThanOneProcess) {

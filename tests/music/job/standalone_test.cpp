@@ -1,5 +1,6 @@
 // The programs without MUSIC.
 #include "job.hpp"
+#include "tests/support/fault.hpp"
 
 namespace spikeloop::test {
 namespace {
@@ -58,8 +59,8 @@ TEST(Standalone, ChecksASectionWithoutStartingAnything) {
             "warning: mine.music:7:1: unknown key 'rate_mix'; did you mean 'rate_max'?; it is "
             "ignored [SL0103]\n");
   EXPECT_EQ(check_section("rate_encoder", "rate_mix=10\nstrict=true").exit_code, 2);
-  EXPECT_EQ(check_section("rate_encoder", "", "a.out -> b.inn [3]").err,
-            "error: mine.music:8:1: 'b' has no input port 'inn'; did you mean 'in'? [SL0302]\n");
+  EXPECT_THAT(check_section("rate_encoder", "", "a.out -> b.inn [3]").err,
+              Fault("error: mine.music:8:1: 'b' ... 'inn' ... 'in' ... [SL0302]\n"));
   EXPECT_TRUE(
       check_section("rate_encoder", "", "a.out -> b.in").says("write  a.out -> b.in [100]"));
   EXPECT_TRUE(
@@ -73,8 +74,7 @@ TEST(Standalone, ChecksASectionOfAFileThatIsThere) {
             "--check-section FILE.music LABEL\n");
   const auto missing = run_program("rate_encoder", {"--check-section", "/nowhere.music", "b"});
   EXPECT_EQ(missing.exit_code, 4);
-  EXPECT_EQ(missing.err,
-            "error: cannot open '/nowhere.music': No such file or directory [SL0109]\n");
+  EXPECT_THAT(missing.err, Fault("error: cannot open '/nowhere.music': ... [SL0109]\n"));
   const TemporaryDirectory directory;
   const std::string file = directory.write("loop.music", "[a]\nnp=1\nbinary=x\n");
   EXPECT_TRUE(run_program("rate_encoder", {"--check-section", file, "c"})
