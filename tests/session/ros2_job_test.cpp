@@ -21,6 +21,7 @@
 #include "tests/ros2/log_lines.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/deadline.hpp"
+#include "tests/support/fault.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace {
@@ -271,8 +272,8 @@ TEST_F(Ros2Job, a_topic_of_another_type) {
   }
   EXPECT_TRUE(error_on_rosout());
   EXPECT_THAT(outcome.text(),
-              HasSubstr("topic '/cmd_vel' carries geometry_msgs/Twist, not sensor_msgs/LaserScan; "
-                        "write geometry_msgs/Twist as the type of the messages, or another topic"));
+              Fault("... topic '/cmd_vel' carries geometry_msgs/Twist, not sensor_msgs/LaserScan; "
+                    "write geometry_msgs/Twist ... [SL0508] ..."));
 }
 
 TEST_F(Ros2Job, commands_that_nobody_takes) {
@@ -384,7 +385,7 @@ TEST_F(Ros2Job, silence_and_names) {
   EXPECT_THAT(said, HasSubstr("no message arrived on topic '/front/scan'"));
   const auto wrong = run(launched(scan_to_twist("stoptime=1", "", "/front/2nd")));
   EXPECT_EQ(wrong.exit_code, 2) << wrong.text();
-  EXPECT_THAT(wrong.text(), HasSubstr("'/front/2nd' is not a valid ROS 2 topic name"));
+  EXPECT_THAT(wrong.text(), Fault("... '/front/2nd' ... ROS 2 topic name ... [SL0501] ..."));
 }
 
 }  // namespace
