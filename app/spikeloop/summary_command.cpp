@@ -14,7 +14,7 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop summary runs/explorer-1                     results of a run
   spikeloop summary runs/explorer-1 runs/explorer-2     a column per run, and settings that differ
 
-Exit codes: 0 success, 3 Python or a package is missing, 4 a folder has no summary.json that can be read)";
+Exit codes: 0 success, 3 Python is missing, 4 a folder has no summary.json that can be read)";
 
 }  // namespace
 

@@ -38,9 +38,9 @@ void check_total(const NetworkFile& network, const Section& populations) {
     throw ConfigurationError(
         populations.where(),
         with_code(Code::out_of_bounds,
-                  "{}: {:.0f} neurons together are more than the {:.0f} that this network takes; "
-                  "larger models belong in NEST, NEURON or Brian2",
-                  populations.what(), total, kMostNeurons));
+                  "the populations have {:.0f} members together, more than the {:.0f} that this "
+                  "network takes; larger models belong in NEST, NEURON or Brian2",
+                  total, kMostNeurons));
   }
 }
 

@@ -19,6 +19,7 @@ import csv
 import dataclasses
 import difflib
 import json
+import os
 import pathlib
 import re
 
@@ -51,7 +52,7 @@ class RunFolderError(SpikeloopError):
 
 def require_regular(file):
     """A pipe would be waited for, and a device has no end. @raises RunFolderError"""
-    if file.exists() and not file.is_file():
+    if os.path.exists(file) and not os.path.isfile(file):
         raise RunFolderError(f"'{file}' cannot be read: not a regular file")
 
 
@@ -137,7 +138,7 @@ class RunFolder:
 
     def __init__(self, path):
         self.path = pathlib.Path(path)
-        if not self.path.is_dir():
+        if not os.path.isdir(path):
             raise RunFolderError(
                 f"'{path}' is not a folder; name the folder that `spikeloop run --out` wrote")
         self.labels = sorted(file.stem for file in self.path.glob("*.h5"))
@@ -265,7 +266,7 @@ class RunFolder:
         file = self.path / name
         require_regular(file)
         try:
-            return json.loads(file.read_text(encoding="utf-8"))
+            contents = json.loads(file.read_text(encoding="utf-8"))
         except FileNotFoundError:
             raise RunFolderError(f"'{file}' is missing: {consequence}") from None
         except OSError as error:
@@ -277,6 +278,9 @@ class RunFolder:
         except json.JSONDecodeError as error:
             raise RunFolderError(f"'{file}' is not JSON: line {error.lineno}, column "
                                  f"{error.colno}: {error.msg}") from None
+        if not isinstance(contents, dict):
+            raise RunFolderError(f"'{file}' is not a JSON object")
+        return contents
 
     def _open(self, label):
         file = self._file(label)

@@ -1,5 +1,6 @@
 """`spikeloop summary RUN...`: the results of a run, or of several, a column each."""
 
+import os
 import pathlib
 import signal
 import sys
@@ -59,10 +60,10 @@ def table(summary):
 
 def read_summary(folder):
     """The contents of FOLDER/summary.json. @raises RunFolderError"""
-    results = pathlib.Path(folder) / "results.csv"
-    if results.exists() and not (results.parent / "summary.json").exists():
+    run, results = RunFolder(folder), pathlib.Path(folder) / "results.csv"
+    if os.path.exists(results) and not os.path.exists(run.path / "summary.json"):
         raise RunFolderError(f"'{folder}' is a sweep: its results are in {results}, and each of its folders is a run")
-    return RunFolder(folder).summary()
+    return run.summary()
 
 
 def settings_of(folder):

@@ -40,7 +40,7 @@ def run(experiment, folder, *more, code=0):
 def started(experiment, folder, *more, command="run"):
     """The process of a run or a replay that has opened its recordings."""
     process = subprocess.Popen([SPIKELOOP, command, str(experiment), "--out", str(folder), *more],
-                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     while not any(folder.glob("*.h5")):
         assert process.poll() is None, process.communicate()
         time.sleep(0.02)
@@ -48,8 +48,8 @@ def started(experiment, folder, *more, command="run"):
 
 
 def ended(process, code, *expected):
-    """What a process has printed that ends with this code, and says what is expected."""
-    _, printed = process.communicate(timeout=60)
+    """The process ends with this code and prints what is expected. Returns all that it printed."""
+    printed = "".join(process.communicate(timeout=60))
     assert process.returncode == code, f"exit code {process.returncode}:\n{printed}"
     assert_says(printed, *expected)
     return printed

@@ -100,8 +100,12 @@ class SelfContained(explorer.Folder):
         for folder in (self.folder, self.project):
             explorer.refused(f"'{folder}' ... resolved.json ... [SL0109]", "run", folder)
             explorer.refused(f"'{folder}/summary.json' is missing", "summary", folder, code=4)
+        explorer.refused("'nowhere' is not a folder", "summary", "nowhere", code=4)
         (self.folder / "results.csv").write_text("run,exit_code\n")
-        explorer.refused(f"{self.folder}/results.csv", "summary", self.folder, code=4)
+        explorer.refused(f"'{self.folder}' is a sweep: its results are in {self.folder}/results.csv, and each of its "
+                         "folders is a run", "summary", self.folder, code=4)
+        (self.folder / "summary.json").write_text("5")
+        explorer.refused(f"'{self.folder}/summary.json' is not a JSON object", "summary", self.folder, code=4)
 
 
 if __name__ == "__main__":

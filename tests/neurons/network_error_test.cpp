@@ -146,8 +146,9 @@ INSTANTIATE_TEST_SUITE_P(
             "size_total",
             "populations:\n  a: {model: repeater, size: 6000000}\n  b: {model: repeater, size: "
             "6000000}\noutput: [a]\n",
-            "net.yaml:2:3: key 'populations': 12000000 neurons together are more than the 10000000 "
-            "that this network takes; larger models ... NEST, NEURON or Brian2 ... [SL0203]"},
+            "net.yaml:2:3: the populations have 12000000 members together, more than the 10000000 "
+            "that "
+            "this network takes; larger models ... NEST, NEURON or Brian2 ... [SL0203]"},
         NetworkCase{
             "repeater_parameters",
             with_population("{model: repeater, size: 1, parameters: {C_m: 1}}"),

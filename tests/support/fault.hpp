@@ -7,55 +7,80 @@
 #include <cctype>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace spikeloop::test {
 
-/// Where `value` ends in `text`, or npos: not as a part of a longer word or number.
-inline std::size_t end_of_value(std::string_view text, std::string_view value) {
+/// [begin, end) of `text` is not a part of a longer word or number.
+inline bool is_whole(std::string_view text, std::size_t begin, std::size_t end) {
   const auto in_word = [&](std::size_t at, std::string_view signs) {
     return at < text.size() && (std::isalnum(static_cast<unsigned char>(text[at])) != 0 ||
                                 signs.find(text[at]) != std::string_view::npos);
   };
-  for (auto at = text.find(value); at != std::string_view::npos; at = text.find(value, at + 1)) {
-    const auto end = at + value.size();
-    const bool begun_before = in_word(at, "_") && in_word(at - 1, "_.-");
-    const bool goes_on =
-        in_word(end - 1, "_") && (in_word(end, "_") || (in_word(end, ".") && in_word(end + 1, "")));
-    if (!begun_before && !goes_on) {
-      return end;
-    }
-  }
-  return std::string_view::npos;
+  const bool begun_before = in_word(begin, "_") && in_word(begin - 1, "_.-");
+  const bool goes_on =
+      in_word(end - 1, "_") && (in_word(end, "_") || (in_word(end, ".") && in_word(end + 1, "")));
+  return !begun_before && !goes_on;
 }
 
-/// A message like `pattern`, in which "..." stands for any wording: it begins with what is before
-/// the first, holds the values in between, and ends with what is behind the last.
-MATCHER_P(Fault, pattern, std::string(negation ? "is not like: " : "is like: ") + pattern) {
+/// The pieces of a pattern between "...", without the spaces around.
+inline std::vector<std::string> pieces_of(std::string_view pattern) {
   constexpr std::string_view kAny = "...";
-  const std::string wanted = pattern;
-  std::string_view text = arg;
-  for (std::size_t at = 0; at <= wanted.size();) {
-    const auto any = std::min(wanted.find(kAny, at), wanted.size());
-    std::string_view piece = std::string_view(wanted).substr(at, any - at);
-    const bool first = at == 0;
-    const bool last = any == wanted.size();
-    if (!first) {
-      piece.remove_prefix(std::min(piece.size(), piece.find_first_not_of(' ')));
-    }
+  std::vector<std::string> pieces;
+  for (bool last = false; !last;) {
+    const auto any = pattern.find(kAny);
+    last = any == std::string_view::npos;
+    std::string piece(pattern.substr(0, any));
     if (!last) {
-      piece = piece.substr(0, piece.find_last_not_of(' ') + 1);
+      piece.erase(piece.find_last_not_of(' ') + 1);
+      pattern.remove_prefix(any + kAny.size());
     }
-    const auto end = first ? (text.starts_with(piece) ? piece.size() : std::string_view::npos)
-                           : end_of_value(text, piece);
-    if (end == std::string_view::npos || (last && !text.ends_with(piece)) ||
-        (first && last && end != text.size())) {
-      *result_listener << "without: " << std::string(piece);
-      return false;
+    if (!pieces.empty()) {
+      piece.erase(0, std::min(piece.size(), piece.find_first_not_of(' ')));
     }
-    text.remove_prefix(end);
-    at = any + kAny.size();
+    pieces.push_back(std::move(piece));
   }
-  return true;
+  return pieces;
+}
+
+/// The first piece that is missing: the text begins with the first and ends with the last, and
+/// those in between follow in one line. Empty: none.
+inline std::string missing_piece(std::string_view text, const std::vector<std::string>& pieces) {
+  std::size_t end = 0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const std::string& piece = pieces[i];
+    const bool last = i + 1 == pieces.size();
+    if (last && piece.empty()) {
+      break;
+    }
+    const std::size_t least =
+        last && text.size() > end + piece.size() && i > 0 ? text.size() - piece.size() : end;
+    auto at = text.find(piece, least);
+    while (at != std::string_view::npos && !is_whole(text, at, at + piece.size())) {
+      at = text.find(piece, at + 1);
+    }
+    const bool found = at != std::string_view::npos && (i > 0 || at == 0) &&
+                       text.substr(end, at - end).find('\n') == std::string_view::npos;
+    end = at + piece.size();
+    if (!found || (last && end != text.size())) {
+      return piece;
+    }
+  }
+  return {};
+}
+
+/// A message like `pattern`, in which "..." stands for any wording; at its begin and end for other
+/// lines, too. Words and numbers are whole.
+MATCHER_P(Fault, pattern, std::string(negation ? "is not like: " : "is like: ") + pattern) {
+  const auto pieces = pieces_of(pattern);
+  std::string_view text = arg;
+  std::string missing = missing_piece(text, pieces);
+  while (!missing.empty() && pieces.front().empty() && text.find('\n') != std::string_view::npos) {
+    text.remove_prefix(text.find('\n') + 1);
+    missing = missing_piece(text, pieces);
+  }
+  *result_listener << (missing.empty() ? "" : "without: " + missing);
+  return missing.empty();
 }
 
 }  // namespace spikeloop::test

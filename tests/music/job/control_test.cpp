@@ -131,8 +131,8 @@ TEST(Control, TerminationOfMpirunFlushesFilesAndLeavesNothing) {
   EXPECT_NE(outcome.exit_code, 0);
   EXPECT_EQ(outcome.left_behind, 0);
   const auto file = (job.directory.path() / "relay.h5").string();
-  // mpirun sends SIGKILL some 10 ms after SIGTERM. What had been written before must be there,
-  // unless it interrupts the write of the index (docs/run-folder.md).
+  // mpirun sends SIGKILL some 10 ms after SIGTERM. What was written before must be there, unless
+  // the process was killed while it wrote the file's index (docs/run-folder.md).
   try {
     EXPECT_GT(record::read_spikes(file, "out").spikes.size(), 100u) << outcome.text();
   } catch (const FileError& error) {
