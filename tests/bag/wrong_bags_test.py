@@ -77,7 +77,8 @@ def cases(scratch):
         f"{file}:3:24: robot: key 'world' is for a robot that is simulated, and the bag stands in "
         "its place; leave one of the two out [SL0208]")
     yield text("bag}", "bag, wrld: arena.xml}"), f"{file}:3:24: robot: unknown key 'wrld'; known: bag"
-    yield of("good.bag", sync="realtime\nros: 1"), f"{file}:4:14: key 'bag': ... leave  ros  out [SL0208]"
+    yield of("good.bag", sync="realtime\nros: 1"), (
+        f"{file}:4:14: key 'bag': a bag stands in the place of robot and ROS; leave  ros  out [SL0208]")
 
 
 def main():

@@ -49,7 +49,9 @@ class Keeping(Folder):
 
     def test_errors(self):
         file = self.folder / results.NAME
-        for text, said in (("{", "is not what .*; move it away, or write another folder with --out"), ("[]", "is not what "),
+        for text, said in (("{", "is not what spikeloop bench writes; move it away, or write another folder "
+                                 "with --out"),
+                           ("[]", "is not what "),
                            ('{"points": []}', ".* 'duration_s'; move"),
                            ('{"format": 2}', "was written by a newer Spikeloop; write another folder "
                                              "with --out")):

@@ -35,7 +35,8 @@ def main():
         bare = python(scratch, "bare", BARE)
         check(file, 3, f"explorer.yaml:{line}:", "node 'brain': simulator 'neuron' is not installed: "
               f"{bare} finds no module 'neuron'; Debian: apt install python3-neuron", PYTHON=bare)
-        check(file, 3, "apt install python3), ... PYTHON", PYTHON=str(scratch / "none"))
+        check(file, 3, "there is no Python to run its script; install it (Debian: apt install python3), or set PYTHON",
+              PYTHON=str(scratch / "none"))
         check(file, 0, PYTHON=python(scratch, "slow", SLOW))
         check(file, 0)
     print("what is not installed is told")

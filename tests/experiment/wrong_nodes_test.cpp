@@ -296,7 +296,8 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"net.yaml",
                     "{populations: {n: {model: iaf_psc_exp, size: 3, parameters: {I_e: 500 pA}}}, "
                     "output: [n]}"}},
-                  {"x.yaml:12:28: 'brain' ... [SL0302]"}},
+                  {"x.yaml:12:28: 'brain' has no input port; turn the connection round or leave it "
+                   "out [SL0302]"}},
         WrongFile{
             "recording without file",
             {{"{node: ros_sensor, topic: /scan, message: LaserScan}", "{node: signal_playback}"}},

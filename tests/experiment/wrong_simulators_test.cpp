@@ -49,12 +49,13 @@ INSTANTIATE_TEST_SUITE_P(
                   {"x.yaml:8:38: key 'script': 'brain.py' imports spikeloop.nest, whose times are "
                    "rounded; write  simulator: nest [SL0404]"},
                   {{"brain.py", "import spikeloop.nest\n"}}},
-        WrongFile{"parameter with the name of a key of all programs",
-                  {{kBuiltin, "{simulator: python, script: brain.py, seed: 3, wd: x}"}},
-                  {"x.yaml:8:48: node 'brain': 'seed' ... and no parameter of a script; give it "
-                   "another name ... [SL0106]",
-                   "x.yaml:8:57: node 'brain': 'wd' ... [SL0106]"},
-                  {{"brain.py", kScript}}},
+        WrongFile{
+            "parameter with the name of a key of all programs",
+            {{kBuiltin, "{simulator: python, script: brain.py, seed: 3, wd: x}"}},
+            {"x.yaml:8:48: node 'brain': 'seed' is the name of a key of every program, and no "
+             "parameter of a script; give it another name [SL0106]",
+             "x.yaml:8:57: node 'brain': 'wd' ... [SL0106]"},
+            {{"brain.py", kScript}}},
         WrongFile{"processes",
                   {{kBuiltin, "{simulator: brian2, script: brain.py, np: 2}"}},
                   {"x.yaml:8:52: key 'np': 2 processes are for NEURON's ParallelContext; a script "

@@ -136,7 +136,7 @@ def wrong_options(scratch):
     for arguments, text in (
             (["--roscore"], "--roscore is for .music files, an experiment file says such things "
                             "itself; leave it out"),
-            (["--layout", "separate"], "[SL0601]"), (["--sync", "locked"], "--sync")):
+            (["--layout", "separate"], "key 'layout': ... [SL0601]"), (["--sync", "locked"], "--sync")):
         runs.refused(text, "run", file, *arguments, cwd=scratch)
     open_end = scratch / "end.yaml"
     open_end.write_text(
@@ -145,7 +145,8 @@ def wrong_options(scratch):
         "connections: [a -> r]\nduration: 1 s\nsync: unpaced\n")
     runs.run(open_end, scratch / "end")
     runs.run(open_end, scratch / "apart", "--layout", "separate")
-    runs.refused("end.yaml:2:3: ... 'r' ... [SL0305]", "export", open_end, "--out", scratch / "job")
+    runs.refused("end.yaml:2:3: nothing is connected to an output of 'r', and a program in an exported job knows its "
+                 "width from a connection; connect it [SL0305]", "export", open_end, "--out", scratch / "job")
     music = scratch / "a.music"
     music.write_text("[a]\nnp=1\nbinary=b\n")
     runs.refused("--no-record is for experiment files; leave it out", "run", music, "--no-record", cwd=scratch)

@@ -6,7 +6,7 @@ import sys
 import tempfile
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from calls import refused, spikeloop  # noqa: E402
+from calls import assert_says, refused, spikeloop  # noqa: E402
 
 # As ros_music_adapter's example of a vehicle: a PyNEST script between the adapters.
 VEHICLE = """music_timestep=0.01
@@ -180,7 +180,7 @@ def messages(folder):
             ("a = \n[", 2, "x.music:2:")):
         (folder / "r.h5").write_text("")
         (folder / "x.music").write_text(text)
-        refused(expected, "import", "x.music", code=code, cwd=folder)
+        assert_says(spikeloop("import", "x.music", code=code, cwd=folder)[1], expected)
 
 
 def command_line(folder):
@@ -189,7 +189,7 @@ def command_line(folder):
             (("none.music",), 4, "none.music"),
             (("x.yaml",), 2, "'x.yaml' is an experiment already; write  spikeloop run x.yaml"),
             (("x.music", "--out", "x.txt"), 2,
-             "--out: 'x.txt' ... .yaml"),
+             "--out: 'x.txt' is not a valid experiment file name; write one that ends in .yaml"),
             (("x.music", "--out", "/proc/none/x.yaml"), 4, "/proc/none/x.yaml"),
             ((), 2, "FILE is required")):
         refused(expected, "import", *arguments, code=code, cwd=folder)

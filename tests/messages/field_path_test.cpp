@@ -112,8 +112,8 @@ TEST(FieldPath, errors_say_what_to_write) {
   EXPECT_EQ(error_of("j.x"),
             "field path 'j.x' of my_msgs/All: 'j' is a single value without fields; end the path "
             "there [SL0504]");
-  EXPECT_THAT(error_of("j[0]"),
-              Fault("field path 'j[0]' of my_msgs/All: 'j' ... '[0]' ... [SL0504]"));
+  EXPECT_THAT(error_of("j[0]"), Fault("field path 'j[0]' of my_msgs/All: 'j' is not an array; "
+                                      "write it without '[0]' [SL0504]"));
   EXPECT_EQ(error_of("fixed[x]"),
             "field path 'fixed[x]' of my_msgs/All: '[x]' selects nothing; write [index], "
             "[first:end] or [name=text] [SL0504]");

@@ -105,8 +105,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"int8[3 s", "'[3' ... [], [number] or [<=number] ... [SL0503]"},
         Wrong{"int8[99999999999] s", "'[99999999999]' ... [], [number] or [<=number] ... [SL0503]"},
         Wrong{"int8 x 200",
-              "field 'x' has default value '200', which int8 cannot hold ... -128 to 127 ... "
-              "[SL0503]"},
+              "field 'x' has default value '200', which int8 cannot hold; write a whole number "
+              "from -128 to 127 [SL0503]"},
         Wrong{"uint8 x 1.5",
               "field 'x' ... '1.5', which uint8 cannot hold ... 0 to 255 ... [SL0503]"},
         Wrong{"uint64 x 1e99",
@@ -115,7 +115,9 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"float64 x one", "field 'x' ... 'one' ... [SL0503]"},
         Wrong{"bool x maybe",
               "field 'x' has default value 'maybe', which is neither true nor false [SL0503]"},
-        Wrong{"int8[2] x 1", "field 'x' ... '1' ... [value, value] ... [SL0503]"},
+        Wrong{
+            "int8[2] x 1",
+            "field 'x' has default value '1', which is not a list; write [value, value] [SL0503]"},
         Wrong{"int8[2] x [1]",
               "field 'x' has default value '[1]', which has 1 elements; write 2 [SL0503]"},
         Wrong{"int8[<=2] x [1,2,3]",

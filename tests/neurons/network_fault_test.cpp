@@ -133,7 +133,8 @@ INSTANTIATE_TEST_SUITE_P(
             "net.yaml:7:16: record of 'cell' has nothing to record; write  spikes: true  or  V_m: "
             "all [SL0405]"},
         NetworkCase{"record_spikes", kPopulations + std::string("record: {cell: {spikes: 3}}\n"),
-                    "net.yaml:7:25: record of 'cell': spikes '3' ... true ... false ... [SL0205]"},
+                    "net.yaml:7:25: record of 'cell': spikes '3' is neither true nor false; write "
+                    "one of them [SL0205]"},
         NetworkCase{"record_spikes_of_current",
                     kPopulations + std::string("record: {wave: {spikes: true}}\n"),
                     "net.yaml:7:25: key 'record': 'wave' is a sine_current ... [SL0405]"},

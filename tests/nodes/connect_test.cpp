@@ -170,8 +170,8 @@ TEST(Connect, WeightsThatDoNotFitAreRefused) {
   EXPECT_EQ(weight_error(WeightTable::dense(2, 3, {1, 2, 3, std::nan(""), 5, 6})),
             "test.yaml:8:3: key 'weights': weight 3 of 6 is not finite; write a number [SL0201]");
   EXPECT_THAT(weight_error(WeightTable::even()),
-              Fault("test.yaml:8:3: key 'weights': 'even' stands for no weights here ... 'uniform' "
-                    "or 'one_to_one' ... [SL0308]"));
+              Fault("test.yaml:8:3: key 'weights': 'even' stands for no weights here; write a "
+                    "weight file, 'uniform' or 'one_to_one' [SL0308]"));
 }
 
 TEST(Connect, MalformedSparseWeightsAreRefused) {

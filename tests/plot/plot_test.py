@@ -158,7 +158,9 @@ def errors(folder, drive):
     fake.mkdir(parents=True)
     (fake / "__init__.py").write_text("raise ModuleNotFoundError('gone', name='matplotlib')\n")
     for arguments, environment, code, expected in (
-            ((folder / "none",), {}, 4, f"'{folder}/none' "), ((empty,), {}, 4, f"'{empty}' "),
+            ((folder / "none",), {}, 4, f"'{folder}/none' "), ((empty,), {}, 4,
+             f"'{empty}' is not a run folder: it has neither a recording (*.h5) nor resolved.json, effective.music, "
+             "summary.json, trajectory.csv or world.json; name the folder that `spikeloop run` wrote"),
             ((drive, "--from", "2", "--to", "1"), {}, 2,
              "--from 2 is not before --to 1; exchange them"),
             ((drive, "--from", "soon"), {}, 2, "--from: 'soon' is not a moment of a run; write"),

@@ -244,7 +244,8 @@ class SimulatorFaults(unittest.TestCase):
             text = script(body, prepare="from neuron import h; " + prepare, module=".neuron")
             self.check(text, message, code=5)
 
-        check("h.dt = 0.3; h.finitialize()", "1 ms ... NEURON's step h.dt ... 0.3 ms; ... h.dt, or variable steps")
+        check("h.dt = 0.3; h.finitialize()", "the tick of 1 ms is not a multiple of NEURON's step h.dt "
+              "of 0.3 ms; choose another h.dt, or variable steps: h.CVode().active(True)")
         check("h.finitialize(); h.t = 5", "NEURON's time is 5 ms at the first tick; call "
               "h.finitialize() before the loop")
         self.refused(".neuron", "from neuron import h", {
@@ -257,12 +258,14 @@ class SimulatorFaults(unittest.TestCase):
         group = "g = b.NeuronGroup(4, 'v : 1', threshold='v > 1'); "
         statements = {
             "host.input('inn')": "host.input('inn'): spikes_in has no 'inn'; known: in",
-            group + "host.output('out', g[:3])": "host.output('out', ...) ... 3 neurons ... 4 channels ... group[:4]",
+            group + "host.output('out', g[:3])": "host.output('out', ...) got a group of 3 neurons, but the port has 4 "
+            "channels; write as many, as in group[:4]",
             "g = b.NeuronGroup(4, 'v : 1', threshold='v > 1', dt=0.2 * b.ms, name='slow'); "
             "host.output('out', g); host.run()": "'slow' has steps of 0.2 ms, but defaultclock.dt is "
             "0.1 ms; use one",
             group + "host.output('out', g)": "host.output('out', ...) has been called before",
-            "b.defaultclock.dt = 0.3 * b.ms; host.run()": "1 ms ... Brian2's step ... 0.3 ms ... defaultclock.dt",
+            "b.defaultclock.dt = 0.3 * b.ms; host.run()": "the tick of 1 ms is not a multiple of Brian2's step "
+            "of 0.3 ms; choose another defaultclock.dt",
             "b.defaultclock.dt = 0.1 * b.ms; " + group + "n = b.Network(g); n.run(1 * b.ms); "
             "host.run(n)": "the network's time is 0.001 s before the run; let host.run() be its first"}
         self.refused(".brian", "import brian2 as b", statements,

@@ -67,7 +67,8 @@ class Faults(unittest.TestCase):
                 ("host.output('in', cells)", "host.output('in'): spikes_out has no 'in'; known: out"),
                 ("host.output('out', cells)", "host.output('out', ...) ... before; write one group a port"),
                 ("host.output('out', cells[:3])",
-                 "host.output('out', ...) ... 3 neurons ... 4 channels ... neurons[:4]"),
+                 "host.output('out', ...) got 3 neurons, but the port has 4 channels; write as many, as in "
+                 "neurons[:4]"),
                 ("host.rate_input('v')", "host.rate_input('v'): signals_in has no 'v'; known: none"),
                 ("host.rate_output('v', cells)", "host.rate_output('v'): signals_out has no 'v'; "
                  "known: none"),
@@ -87,7 +88,7 @@ class Faults(unittest.TestCase):
     def test_time(self):
         self.check(script(prepare="nest.resolution = 0.3"), "NEST", code=5)
         text = script(early="nest.resolution = 0.3").replace('"delay": 1.0', '"delay": 1.2')
-        self.check(text, "1 ms ... NEST's step ... 0.3 ms ... nest.resolution")
+        self.check(text, "the tick of 1 ms is not a multiple of NEST's step of 0.3 ms; choose another nest.resolution")
         self.check(script("host.advance(tick) if tick.begin_s >= 0.1 else None"),
                    "NEST's time is 0 ms at 0.1 s of the run; let host.advance(tick) be what advances "
                    "it, in every tick")
@@ -142,7 +143,8 @@ class OwnMusic(unittest.TestCase):
                    "  before the loop")
         self.check(script(), "1 ms of delay are asked for on the way out of NEST (spike_delay=",
                    keys="spike_delay=1")
-        self.check(script(), "2 ms ... 1 ms ... accept_latency=0.001 or less", keys="accept_latency=0.002")
+        self.check(script(), "spikes may come 2 ms late, more than the tick of 1 ms, and then their delay is over; "
+                   "write accept_latency=0.001 or less, in an experiment a longer tick", keys="accept_latency=0.002")
 
 
 if __name__ == "__main__":
