@@ -73,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(
                    "[SL0101]"}},
         WrongFile{"deep nesting of blocks",
                   {{"", "a: " + repeated("{a: ", 30000) + repeated("}", 30000)}},
-                  {"x.yaml:1:4004: ... YAML: ... [SL0101]"}},
+                  {"x.yaml:1:4004: ... YAML: ... nested too deeply ... [SL0101]"}},
         WrongFile{
             "brackets in brackets",
             {{"connections:\n  - scan -> encoder [3] -> brain [3] -> decoder [3] -> wheels [2]\n",

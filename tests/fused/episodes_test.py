@@ -416,8 +416,10 @@ def check_errors(folder):
     (folder / "gain.yaml").write_text(CAR.replace("reward: -0.4", "reward: -0.4, reset: [push]")
                                       .replace("node: function, function", "node: gain, text")
                                       .replace("nodes:", "plugins: [gain.py]\nnodes:"))
-    runs.refused("node 'push' cannot begin anew, because plug-ins have a state of their own", "check", folder / "gain.yaml")
-    for options, part in ((["--render", "x.png"], "--render "), (["--ros", "2"], "an environment has no topics of ROS")):
+    runs.refused("node 'push' cannot begin anew, because plug-ins have a state of their own",
+                 "check", folder / "gain.yaml")
+    for options, part in ((["--render", "x.png"], "--render ... robot"),
+                          (["--ros", "2"], "an environment has no topics of ROS")):
         runs.refused(part, "run", folder / "car.yaml", "--out", folder / "none", *options)
     runs.refused("write one of: cart_pole, frozen_lake, lane, mountain_car, t_maze, water_maze", "new", "--environment",
                  "cart_pol")

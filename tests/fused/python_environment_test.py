@@ -173,8 +173,8 @@ def check_errors(folder):
     def said(command, *settings):
         (folder / "one.yaml").write_text(ONE.replace("WIDTH", "2"))
         words = [word for setting in settings for word in ("--set", setting)]
-        done = subprocess.run([runs.SPIKELOOP, *command, str(folder / "one.yaml"), *words], capture_output=True, text=True,
-                              check=False, timeout=100, env={**os.environ, "PYTHONPATH": str(folder / "none")})
+        done = subprocess.run([runs.SPIKELOOP, *command, str(folder / "one.yaml"), *words],
+                              capture_output=True, text=True, check=False, timeout=100, env={**os.environ, "PYTHONPATH": str(folder / "none")})
         return done.returncode, done.stderr
 
     (folder / "none").mkdir()
@@ -186,12 +186,13 @@ def check_errors(folder):
             ("walk:Walk", "write  FILE.py:FUNCTION"),
             ("gymnasium:CartPole-v1", "cannot import gymnasium (this one is none); make a virtual environment"),
             ("walk.py:Several", "there can be one action"),
-            ("walk.py:types", "'types' "),
+            ("walk.py:types", "'types' ... walk.py"),
             ("walk.py:Wide", "an observation has 3 numbers, but its space has 2")):
         code, text = said(["check"], f"robot.environment={environment}")
         assert code != 0 and "one.yaml" in text, (environment, code, text)
         runs.assert_says(text, part)
     code, text = said(["check"], "robot.environment=walk.py:Free", "where.topic=/scaled_observation")
+    assert code == 2, (code, text)
     runs.assert_says(text, "/scaled_observation ... [SL0507]")
     code, text = said(["run", "--out", str(folder / "failed")], "robot.environment=walk.py:Free")
     assert code == 5 and "walk.py:47: in step: RuntimeError: the floor has gone [SL0704]" in text, (code, text)

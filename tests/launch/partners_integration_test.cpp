@@ -79,7 +79,8 @@ TEST(OwnRosMaster, ThatGivesAReasonIsQuoted) {
 TEST(OwnRosMaster, ThatEndsWithoutAWordToo) {
   const TwoPrograms job;
   const Outcome outcome = run_with(job, "rosmaster", "", {"--roscore"});
-  EXPECT_THAT(last_line(outcome.err), Fault("spikeloop: ... [SL0701]"));
+  EXPECT_THAT(last_line(outcome.err),
+              Fault("spikeloop: rosmaster ended before it answered [SL0701]"));
 }
 
 }  // namespace

@@ -127,7 +127,7 @@ TEST_F(GuardErrorTest, paths_that_cannot_be_sockets) {
                            "/file': Address already in use [SL0109]\n");
   const auto nowhere = run(guard_command({"--socket", "/no/such/folder/guard"}));
   EXPECT_EQ(nowhere.exit_code, 4);
-  EXPECT_THAT(nowhere.err, Fault("... [SL0109] ..."));
+  EXPECT_THAT(nowhere.err, Fault("... '/no/such/folder/guard': ... [SL0109]\n"));
   const auto longer = run(guard_command({"--socket", "/tmp/" + std::string(120, 'x')}));
   EXPECT_EQ(longer.exit_code, 4);
   EXPECT_THAT(longer.err, HasSubstr("File name too long"));

@@ -86,7 +86,7 @@ class Faults(unittest.TestCase):
                    "come from NEST; write  host.output('out', neurons)")
 
     def test_time(self):
-        self.check(script(prepare="nest.resolution = 0.3"), "NEST", code=5)
+        self.check(script(prepare="nest.resolution = 0.3"), "brain.py:9: NESTErrors.", code=5)
         text = script(early="nest.resolution = 0.3").replace('"delay": 1.0', '"delay": 1.2')
         self.check(text, "the tick of 1 ms is not a multiple of NEST's step of 0.3 ms; choose another nest.resolution")
         self.check(script("host.advance(tick) if tick.begin_s >= 0.1 else None"),
