@@ -12,7 +12,7 @@ import time
 
 import experiments
 from experiments import runs
-import jobs  # of tests/support, which runs knows
+import jobs  # tests/support/jobs.py; runs.py adds its folder to the path
 
 KILLED = "'brain' (echo.py) ... 9 (Killed)"
 BRAIN = "simulator: python\nscript: echo.py"

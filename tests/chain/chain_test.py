@@ -15,8 +15,10 @@ import subprocess
 import sys
 import tempfile
 
-import h5py
 import numpy as np
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import recordings  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "examples/01_braitenberg"
@@ -58,19 +60,9 @@ def kernel_sums(weights, times_s, spike_times_s, channels):
     return sums
 
 
-def signal(path, stream):
-    with h5py.File(path) as file:
-        group = file["signals"][stream]
-        assert group.attrs["dropped"] == 0
-        return group["times_ns"][:], group["values"][:]
-
-
 def check(out, tick_ms):
-    with h5py.File(out / "network.h5") as file:
-        assert file["spikes/out"].attrs["dropped"] == 0
-        spike_times_ns = file["spikes/out/timestamps_ns"][:]
-        channels = file["spikes/out/node_ids"][:].astype(int)
-    times_ns, values = signal(out / "command.h5", "command")
+    spike_times_ns, channels = recordings.spikes(out, "network")
+    times_ns, values = recordings.signal(out, "command", "command")
     weights = np.array(json.loads((EXAMPLE / "readout_weights.json").read_text()))
     tick_ns = round(tick_ms * 1e6)
     # A sink's row is stamped with the end of the interval in which it was received; the value is the

@@ -16,7 +16,7 @@ import xmlrpc.client
 
 import ros
 import runs
-import jobs  # of tests/support, which runs knows
+import jobs  # tests/support/jobs.py; runs.py adds its folder to the path
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "safety"))
 import robots  # noqa: E402  (that are no part of Spikeloop)

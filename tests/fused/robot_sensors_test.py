@@ -75,7 +75,8 @@ def refused(scratch):
                  "world: lane, or give yours boxes lane_* (docs/robot.md)",
                  "check", written(scratch, "no_lane.yaml"), "--set", "light.topic=/lane")
     without = {key: value for key, value in os.environ.items() if "DISPLAY" not in key}
-    runs.refused("display", "run", written(scratch, "near.yaml"), "--view", "--out", scratch / "view", code=3, env=without)
+    runs.refused("display", "run", written(scratch, "near.yaml"), "--view", "--out", scratch / "view",
+                 code=3, env=without)
     own = scratch / "alone.yaml"
     own.write_text("""experiment: alone
 duration: 1 s

@@ -15,7 +15,7 @@ import numpy as np
 
 import ros
 import runs
-import jobs  # of tests/support, which runs knows
+import jobs  # tests/support/jobs.py; runs.py adds its folder to the path
 
 PAGE = pathlib.Path(__file__).parents[2] / "docs/stepping.md"
 BLOCKS = re.findall("```(?:python|cpp|yaml)\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)

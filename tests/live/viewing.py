@@ -12,7 +12,7 @@ import time
 import websocket
 
 from runs import programs
-from folder import FolderCase  # noqa: F401  (of tests/support, which runs knows)
+from folder import FolderCase  # noqa: F401  (tests/support/folder.py; runs.py adds its folder to the path)
 
 EXAMPLE = pathlib.Path(__file__).parents[2] / "examples/01_braitenberg/braitenberg.yaml"
 PROTOCOL = "foxglove.websocket.v1"

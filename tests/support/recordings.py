@@ -19,6 +19,7 @@ def signal(folder, node, output="out"):
     """(times in ns, rows)"""
     with h5py.File(folder / f"{node}.h5") as file:
         group = file["signals"][output]
+        assert group.attrs["dropped"] == 0
         return group["times_ns"][:], group["values"][:]
 
 
