@@ -206,8 +206,8 @@ TEST(MusicParser, RefusesWhatMusicAbortsFor) {
        "f:1:1: the value of 'k' ends with a backslash at the end of the file; write '\\\\' for a "
        "backslash [SL0101]"},
       {"k\\\n=a",
-       "f:1:1: the key 'k' ... only a value may go on in the next line, write the key on one line "
-       "... [SL0101]"},
+       "f:1:1: the key 'k' ends with a backslash; only a value may go on in the next line, write "
+       "the key on one line [SL0101]"},
       {"out -> B.in",
        "f:1:1: the sender application of port 'out' is missing; before the first section write "
        "'application.out' [SL0101]"},

@@ -134,7 +134,9 @@ struct Case {
 TEST(WeightFile, SaysWhatIsWrongInADenseTable) {
   const std::string rows =
       "write an array of weights: [[0.1, 0.2], [0.3, 0.4]], one row an output [SL0309]";
-  const std::string nothing = "w: ... [[0.1, 0.2], [0.3, 0.4]] ... or 'uniform' ... [SL0309]";
+  const std::string nothing =
+      "w: the table has no weights; write [[0.1, 0.2], [0.3, 0.4]], one row an output, or "
+      "'uniform' in place of the file [SL0309]";
   const Case cases[] = {
       {"", "w: ... empty ... [[0.1, 0.2], [0.3, 0.4]] ... [SL0309]"},
       {" \n", "w: ... empty ... [[0.1, 0.2], [0.3, 0.4]] ... [SL0309]"},

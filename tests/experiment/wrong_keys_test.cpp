@@ -165,8 +165,8 @@ INSTANTIATE_TEST_SUITE_P(
                   {"x.yaml:2:11: key 'duration': -1 ... 0 to 9000000000 s ... [SL0203]"}},
         WrongFile{"duration of nothing",
                   {{"1 s", "0 s"}},
-                  {"x.yaml:2:11: key 'duration': a run of 0 s does nothing ... 1 ms ... then the "
-                   "run goes on until it is stopped ... [SL0203]"}},
+                  {"x.yaml:2:11: key 'duration': a run of 0 s does nothing; write for example 1 "
+                   "ms, or leave it out: then the run goes on until it is stopped [SL0203]"}},
         WrongFile{"duration below a tick",
                   {{"1 s", "0.3 ms"}},
                   {"x.yaml:2:11: key 'duration': 300 us ... 1 ms ... 1 ms ... [SL0207]"}},

@@ -61,8 +61,9 @@ INSTANTIATE_TEST_SUITE_P(
             "net.yaml:2:56: population 'a': parameters: rate: expected one value; write  rate: "
             "[[0 ms, 10 Hz], [100 ms, 20 Hz]]"},
         NetworkCase{"steps_time", alone("{model: poisson, size: 1, parameters: {rate: [[-1, 5]]}}"),
-                    "net.yaml:2:52: population 'a': parameters: rate: the time -1 ms ... 0 to 1e9 "
-                    "ms ... rate: [[0 ms, 10 Hz], [100 ms, 20 Hz]] ... [SL0207]"},
+                    "net.yaml:2:52: population 'a': parameters: rate: the time -1 ms is not a "
+                    "whole number of nanoseconds from 0 to 1e9 ms; write  rate: [[0 ms, 10 Hz], "
+                    "[100 ms, 20 Hz]] [SL0207]"},
         NetworkCase{"steps_grid",
                     alone("{model: poisson, size: 1, parameters: {rate: [[0.15 ms, 5]]}}"),
                     "net.yaml:2:52: population 'a': parameters: rate: the time 150 us ... 100 us "
@@ -104,11 +105,11 @@ INSTANTIATE_TEST_SUITE_P(
             "net.yaml:5:73: connection 1: plasticity: learning is computed on a grid, but the "
             "resolution is off; write  resolution: 0.1 ms [SL0207]"},
         NetworkCase{"output_current", kPopulations + std::string("output: [wave]\n"),
-                    "net.yaml:7:10: key 'output': 'wave' is a sine_current, which has no spikes "
-                    "... repeaters or a poisson ... [SL0405]"},
+                    "net.yaml:7:10: key 'output': 'wave' is a sine_current, which has no spikes; "
+                    "write a population of neurons, repeaters or a poisson [SL0405]"},
         NetworkCase{"potential_repeater", kPopulations + std::string("potential: [relay]\n"),
                     "net.yaml:7:13: key 'potential': 'relay' is a repeater, which has no membrane "
-                    "potential ... iaf_psc_delta or iaf_psc_exp ... [SL0405]"},
+                    "potential; write a population of model iaf_psc_delta or iaf_psc_exp [SL0405]"},
         NetworkCase{"potential_no_list", kPopulations + std::string("potential: cell\n"),
                     "net.yaml:7:12: key 'potential': ... potential: [name] ... [SL0105]"},
         NetworkCase{"to_source", connected("from: input, to: drive, rule: all_to_all, delay: 1"),
@@ -151,8 +152,8 @@ INSTANTIATE_TEST_SUITE_P(
                     "net.yaml:7:26: record of 'cell': V_m: '2' ... 'cell' ... 0 to 1 ... [SL0405]"},
         NetworkCase{"record_interval",
                     kPopulations + std::string("record: {cell: {spikes: true, interval: 1 ms}}\n"),
-                    "net.yaml:7:41: record of 'cell': 'interval' is that of V_m ... V_m: all, too "
-                    "... [SL0405]"},
+                    "net.yaml:7:41: record of 'cell': 'interval' is that of V_m, which is not "
+                    "there; write  V_m: all, too [SL0405]"},
         NetworkCase{
             "record_name",
             "populations:\n  a-b: {model: repeater, size: 1}\nrecord: {a-b: {spikes: true}}\n",

@@ -180,9 +180,9 @@ TEST(WorldErrors, PhotodiodesAreNeededWhereThereAreLamps) {
   const std::string world =
       directory.write("world.xml", mjcf(numerics, kFloor + R"(<site name="lamp_1"/>)"));
   EXPECT_THAT(message<ConfigurationError>(world),
-              Fault("... has no site 'light_right'; a world with lamps needs it: ... <site "
-                    "name=\"light_left\"/> and \"light_right\" into body 'vehicle', x along the "
-                    "diode's normal ... [SL0801]"));
+              Fault("... has no site 'light_right'; a world with lamps needs it: include the "
+                    "shipped vehicle, or write <site name=\"light_left\"/> and \"light_right\" "
+                    "into body 'vehicle', x along the diode's normal [SL0801]"));
 }
 
 TEST(WorldErrors, Cues) {
