@@ -7,7 +7,6 @@ import sys
 
 from .run_folder import RunFolder, RunFolderError
 
-EXIT_FILE = 4
 # key, label, unit, format
 ROWS = (
     ("simulated_s", "simulated time", "s", "{:.1f}"),
@@ -102,7 +101,7 @@ def main(folders):
         print("\n".join(table(read_summary(folder))))
     except RunFolderError as error:
         print(f"spikeloop: {error}", file=sys.stderr)
-        sys.exit(EXIT_FILE)
+        sys.exit(error.exit_code)
     made = sorted(p.name for p in folder.iterdir() if p.suffix in (".png", ".json", ".h5", ".csv"))
     print(f"\nin {folder}/: {', '.join(made)}")
 

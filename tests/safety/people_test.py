@@ -50,16 +50,15 @@ connections:
 """
 
 
-def await_diagnosis(person, level, value=""):
+def await_diagnosis(person, level, text):
     """On /diagnostics, where monitors of ROS look."""
     def told():
-        found, said = person.diagnosis
-        return found == level and "spikeloop: commands on /cmd_vel: " in said and value in said
-    ros.until(told, f"a status of level {level} with {value}", 5)
+        return person.diagnosis[0] == level and f"spikeloop: commands on /cmd_vel: {text}" in person.diagnosis[1]
+    ros.until(told, f"a status of level {level}, {text!r}", 5)
 
 
 def stop_and_release(person, printed):
-    await_diagnosis(person, OK)
+    await_diagnosis(person, OK, "the robot is driven by the network (commands ")
     ros.until(person.may_press_stop, "a run that hears the emergency stop")
     begin = time.monotonic()
     person.press_stop(True)
@@ -67,9 +66,9 @@ def stop_and_release(person, printed):
     time.sleep(0.5)
     pressed = begin + time_to_zero.MARGIN_MS / 1e3
     assert not person.drives_since(pressed), "driven while the emergency stop is pressed"
-    await_diagnosis(person, ERROR, "'/emergency_stop'")
+    await_diagnosis(person, ERROR, "the robot is stopped: emergency stop on topic '/emergency_stop'")
     assert "stops_emergency_stop 1, " in person.diagnosis[1], person.diagnosis
-    ros.until(lambda: "the robot is stopped: " in printed.read_text() and "'/emergency_stop'" in printed.read_text(),
+    ros.until(lambda: "emergency stop on topic '/emergency_stop'" in printed.read_text(),
               "the line about it, which may wait for a second", 5)
     person.drive_by_hand(0)
     time.sleep(0.1)
@@ -101,7 +100,7 @@ def lose_a_sensor(person, printed):
     begin = time.monotonic()
     person.odometry(False)
     assert person.time_to_zero_ms(begin) < 400 + 2 * time_to_zero.MARGIN_MS
-    ros.until(lambda: "'/odom' for 400 ms" in printed.read_text(), "the topic's name", 5)
+    ros.until(lambda: "with a reading on topic '/odom' for 400 ms" in printed.read_text(), "the topic's name", 5)
     person.odometry(True)
     ros.until(person.is_driven, "driving when it is back", 10)
 
