@@ -128,7 +128,8 @@ def old_data(scratch):
     summary, printed = runs.run(file, scratch / "old", "--duration", "2")
     assert summary["counters"]["wheels.stops_data_too_old"] >= 38, summary
     assert summary["counters"]["wheels.resumed"] >= 38, summary
-    assert 1 <= printed.count(" max_age, 10 ms") <= 2 and "warning: node 'wheels' at " in printed, printed
+    said = "s: the robot is stopped: the data are older than max_age, 10 ms"
+    assert 1 <= printed.count(said) <= 2 and "warning: node 'wheels' at " in printed, printed
 
 
 def wrong_options(scratch):

@@ -21,26 +21,24 @@ class Stop(viewing.FolderCase):
         """The wall time from STOP until a viewer has seen the robot stopped."""
         with viewing.Run(self.folder / "run", *arguments) as job:
             viewer = viewing.Viewer(job.socket_url(), STATUS, "/cmd_vel")
-
-            def wheels_are(level, word):
-                return [(each["node"], each["level"], word in each["text"]) for each in viewer.status()["commands"]] == [
-                    ("wheels", level, True)]
-
-            viewer.until(lambda: STATUS in viewer.messages and wheels_are("ok", "driven"))
+            driven = [{"node": "wheels", "level": "ok", "text": "the robot is driven by the network"}]
+            viewer.until(lambda: STATUS in viewer.messages and viewer.status()["commands"] == driven)
             self.assertEqual(viewer.parameters, {})
             viewer.send(op="subscribeParameterUpdates", parameterNames=["run.stop"])
             viewer.set("run.stop", True)
             began = time.monotonic()
-            viewer.until(lambda: wheels_are("error", "STOP"))
+            stopped = [{"node": "wheels", "level": "error",
+                        "text": "the robot is stopped: STOP is pressed in the live view"}]
+            viewer.until(lambda: viewer.status()["commands"] == stopped)
             took = time.monotonic() - began
             self.assertTrue(viewer.parameters["run.stop"])
             # A zero is the last command; 16 zeros of linear and angular.
             viewer.until(lambda: not any(viewer.messages["/cmd_vel"][-1][1][-48:]))
             viewer.set("run.stop", False)
-            viewer.until(lambda: wheels_are("ok", "driven"))
+            viewer.until(lambda: viewer.status()["commands"] == driven)
             code, printed = job.interrupt()
         self.assertEqual(code, 130, printed)
-        self.assertIn("STOP ", printed)
+        self.assertIn("STOP is pressed in the live view", printed)
         return took
 
     def test_stop_in_one_process(self):
@@ -57,7 +55,8 @@ class Stop(viewing.FolderCase):
             viewer = viewing.Viewer(job.socket_url(), STATUS, "/cmd_vel")
             viewer.set("run.stop", True)  # no process is there yet
             viewer.until(lambda: viewer.parameters.get("run.stop"))
-            viewer.until(lambda: any("STOP " in str(message) for _, message in viewer.messages.get(STATUS, [])))
+            pressed = "the robot is stopped: STOP is pressed in the live view"
+            viewer.until(lambda: any(pressed in str(message) for _, message in viewer.messages.get(STATUS, [])))
             viewer.until(lambda: viewer.status()["simulated_s"] > 1)
             self.assertEqual([text for _, text in viewer.messages.get("/cmd_vel", []) if any(text[-48:])], [])
             self.assertEqual(viewer.statuses, [])
