@@ -14,7 +14,7 @@ import experiments
 from experiments import runs
 import jobs  # tests/support/jobs.py; runs.py adds its folder to the path
 
-KILLED = "'brain' (echo.py) ... 9 (Killed)"
+KILLED = "'brain' (echo.py) was killed by signal 9 (Killed)"
 BRAIN = "simulator: python\nscript: echo.py"
 
 
@@ -45,9 +45,9 @@ def failures(scratch):
                    "AssertionError: the battery is empty", "echo.py:4: AssertionError", "Traceback ")
     assert "the battery is empty" in summary["exit_reason"], summary
     said(scratch, "left", "import spikeloop\nimport sys\nsys.exit(3)\n", 3,
-         "'brain' (echo.py) ... 3")
+         "'brain' (echo.py) ended with exit code 3")
     said(scratch, "no_module", "import spikeloop, nonsense\n", 1,
-         "'brain' (echo.py) ... 1", "No module named 'nonsense'")
+         "'brain' (echo.py) ended with exit code 1", "No module named 'nonsense'")
     said(scratch, "ports", LOOP.replace('"in"', '"im"') % "pass", 2,
          "explorer.yaml ... 'brain' ... 'in'; ... 'im'? ... [SL0302]")
     said(scratch, "width", LOOP.replace('{"in": None}', '{"in": 3}') % "pass", 2,
@@ -115,7 +115,7 @@ def hanging_over_ros(scratch):
                        sync="realtime", ros="1", duration="60 s")
     folder = scratch / "hung"
     _, printed = experiments.run(file, folder, "--stall-timeout", "4", code=3)
-    runs.assert_says(printed, " 4 s", "'brain' (echo.py)")
+    runs.assert_says(printed, "the job has stood still for 4 s", "'brain' (echo.py)")
     rows = [(float(row["t_s"]), abs(float(row["v_m_s"]))) for row in runs.recordings.table(folder / "trajectory.csv")]
     driving = [t for t, speed in rows if speed > 0.1]
     # It stood for most of the four seconds in which nothing came any more.

@@ -186,7 +186,7 @@ def killed(scratch):
     file = runs.new_experiment(scratch / "long.yaml", ros="1", duration="60 s")
     process = runs.started(file, scratch / "killed", "--stall-timeout", "30", "--start-timeout", "40")
     os.kill(jobs.find(process.pid, "spikeloop-fused"), signal.SIGKILL)
-    runs.ended(process, 137, "spikeloop-fused ... 9 (Killed)")
+    runs.ended(process, 137, "spikeloop: spikeloop-fused was killed by signal 9 (Killed)")
 
 
 def stalled(scratch):

@@ -153,7 +153,7 @@ def jump(simulator, begin):
     # Begun more than a tick late: those from `shown` + 1 to 298 ms, and from 301 to 499 ms; a few more where a time
     # was overtaken by the next one.
     assert 298 - shown + 199 <= report["summary"]["overruns"] <= 499, report
-    run.says(" of 500 ticks ")
+    run.says("of 500 ticks began more than a tick late. Computing 1 s takes ")
     run.says("let the simulator run at less than ")
     check_counters(report["counters"])
 
