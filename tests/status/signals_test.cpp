@@ -58,10 +58,13 @@ TEST(Signals, WhatReachesAnOlderThreadIsHeard) {
             143);
 }
 
-TEST(Signals, ARequestFromInsideDoesTheSame) {
+TEST(Signals, UserSignal1RunsTheStopHooksAlone) {
   EXPECT_EQ(exit_code_of([] {
-              request_stop();
-              _exit(stop_requested() ? 7 : 1);
+              const SignalThread thread;
+              const TerminationHook termination([] { _exit(1); });
+              const StopHook stop([] { _exit(stop_requested() ? 7 : 2); });
+              kill(getpid(), SIGUSR1);
+              std::this_thread::sleep_for(std::chrono::seconds(10));
             }),
             7);
 }
@@ -76,6 +79,7 @@ TEST(Signals, TerminationRunsTheHooksNewestFirstAndExits143) {
               {
                 const TerminationHook gone([&] { say('x'); });
               }
+              const StopHook stop([&] { say('y'); });
               const TerminationHook failing([] { throw std::runtime_error("no"); });
               const TerminationHook last([&] { say('b'); });
               kill(getpid(), SIGTERM);

@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <mutex>
+#include <ranges>
 #include <thread>
 #include <vector>
 
@@ -22,26 +23,13 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 
 struct Hooks {
   std::mutex mutex;
-  std::vector<const std::function<void()>*> actions;
+  std::vector<const SignalHook*> all;
 };
 
 // Never destroyed: a signal may come while the program leaves main().
 Hooks& hooks() {
-  static auto* const all = new Hooks;
-  return *all;
-}
-
-[[noreturn]] void terminate_now() {
-  auto& all = hooks();
-  const std::lock_guard lock(all.mutex);
-  for (auto action = all.actions.rbegin(); action != all.actions.rend(); ++action) {
-    try {
-      (**action)();
-    } catch (...) {
-      // One hook that fails must not keep the others from running.
-    }
-  }
-  ::_exit(kTerminated);
+  static auto* const hooks = new Hooks;
+  return *hooks;
 }
 
 constexpr std::array kOurSignals{SIGUSR1, SIGTERM, SIGHUP};
@@ -70,25 +58,33 @@ bool stop_requested() {
   return stop.load(std::memory_order_relaxed);
 }
 
-void request_stop() {
-  stop.store(true, std::memory_order_relaxed);
-}
-
 bool is_ignored(int number) {
   struct sigaction action {};
   return sigaction(number, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
-TerminationHook::TerminationHook(std::function<void()> action) : action_(std::move(action)) {
-  auto& all = hooks();
-  const std::lock_guard lock(all.mutex);
-  all.actions.push_back(&action_);
+SignalHook::SignalHook(bool terminates, std::function<void()> action)
+    : terminates_(terminates), action_(std::move(action)) {
+  const std::lock_guard lock(hooks().mutex);
+  hooks().all.push_back(this);
 }
 
-TerminationHook::~TerminationHook() {
-  auto& all = hooks();
-  const std::lock_guard lock(all.mutex);
-  std::erase(all.actions, &action_);
+SignalHook::~SignalHook() {
+  const std::lock_guard lock(hooks().mutex);
+  std::erase(hooks().all, this);
+}
+
+void SignalHook::run_all(bool terminates) {
+  const std::lock_guard lock(hooks().mutex);
+  for (const SignalHook* const hook : std::views::reverse(hooks().all)) {
+    if (hook->terminates_ == terminates) {
+      try {
+        hook->action_();
+      } catch (...) {
+        // One hook that fails must not keep the others from running.
+      }
+    }
+  }
 }
 
 struct SignalThread::Impl {
@@ -123,9 +119,11 @@ struct SignalThread::Impl {
         return;
       }
       if (number == SIGUSR1) {
-        request_stop();
+        stop.store(true, std::memory_order_relaxed);
+        SignalHook::run_all(false);
       } else if (number == SIGTERM || getppid() != parent) {
-        terminate_now();
+        SignalHook::run_all(true);
+        ::_exit(kTerminated);
       }
     }
   }

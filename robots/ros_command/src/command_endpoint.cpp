@@ -95,7 +95,11 @@ CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& addres
                                               as_in_ros(session, address.topic, settings), sink_)),
       on_termination_(session.local() ? nullptr : std::make_unique<status::TerminationHook>([this] {
         sink_.stop(command::StopReason::terminated);
-      })) {}
+      })),
+      on_stop_(session.local() || settings.clock == command::CommandClock::lockstep
+                   ? nullptr
+                   : std::make_unique<status::StopHook>(
+                         [this] { sink_.stop(command::StopReason::ended); })) {}
 
 CommandEndpoint::~CommandEndpoint() = default;
 

@@ -100,6 +100,7 @@ class CommandEndpoint {
   command::CommandSink sink_;
   std::unique_ptr<CommandTopics> topics_;  ///< end before what they bring goes to
   std::unique_ptr<status::TerminationHook> on_termination_;
+  std::unique_ptr<status::StopHook> on_stop_;  ///< none for a robot that is stepped
 };
 
 }  // namespace spikeloop::ros_command
