@@ -8,7 +8,6 @@ find_package(CLI11 REQUIRED)
 find_package(muparser REQUIRED CONFIG)
 find_package(PkgConfig REQUIRED)
 find_package(HDF5 REQUIRED COMPONENTS C)
-find_package(hwy REQUIRED)
 find_package(CycloneDDS REQUIRED)
 if(SPIKELOOP_TESTS)
   find_package(GTest REQUIRED)
@@ -18,8 +17,9 @@ if(SPIKELOOP_BENCHMARKS)
   find_package(benchmark REQUIRED)
 endif()
 
-# Random123 is a set of headers without a CMake file.
+# Random123 is a set of headers without a CMake file; of Highway the headers alone are used.
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
+find_path(HIGHWAY_INCLUDE_DIR hwy/highway.h REQUIRED)
 
 # Nodes in Python: the distribution's, for its NumPy, not another python3 that is first in PATH.
 if(EXISTS /usr/bin/python3 AND NOT Python3_EXECUTABLE)

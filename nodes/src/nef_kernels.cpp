@@ -227,15 +227,12 @@ HWY_AFTER_NAMESPACE();
 
 namespace spikeloop {
 
-HWY_EXPORT(change_targets);
-HWY_EXPORT(fire_once);
-
 void change_targets(const NefChange& change) {
-  HWY_DYNAMIC_DISPATCH(change_targets)(change);
+  SPIKELOOP_KERNEL(change_targets)(change);
 }
 
 std::size_t fire_once(NefFiring& firing, std::span<std::uint32_t> blocks) {
-  return HWY_DYNAMIC_DISPATCH(fire_once)(firing, blocks);
+  return SPIKELOOP_KERNEL(fire_once)(firing, blocks);
 }
 
 }  // namespace spikeloop

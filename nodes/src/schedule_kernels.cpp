@@ -200,42 +200,34 @@ HWY_AFTER_NAMESPACE();
 
 namespace spikeloop {
 
-HWY_EXPORT(changes_a_rate);
-HWY_EXPORT(change_rates);
-HWY_EXPORT(all_within);
-HWY_EXPORT(negative_logarithms);
-HWY_EXPORT(collect_due);
-HWY_EXPORT(keep_due);
-HWY_EXPORT(find_due);
-
 bool changes_a_rate(const ScheduleChange& change) {
-  return HWY_DYNAMIC_DISPATCH(changes_a_rate)(change);
+  return SPIKELOOP_KERNEL(changes_a_rate)(change);
 }
 
 void change_rates(const ScheduleChange& change) {
-  HWY_DYNAMIC_DISPATCH(change_rates)(change);
+  SPIKELOOP_KERNEL(change_rates)(change);
 }
 
 bool all_within(std::span<const double> values, double limit) {
-  return HWY_DYNAMIC_DISPATCH(all_within)(values, limit);
+  return SPIKELOOP_KERNEL(all_within)(values, limit);
 }
 
 void negative_logarithms(std::span<double> values) {
-  HWY_DYNAMIC_DISPATCH(negative_logarithms)(values);
+  SPIKELOOP_KERNEL(negative_logarithms)(values);
 }
 
 void collect_due(const ScheduleBlock* blocks, std::span<const std::uint32_t> due, double limit,
                  ScheduleFiring& firing) {
-  HWY_DYNAMIC_DISPATCH(collect_due)(blocks, due, limit, firing);
+  SPIKELOOP_KERNEL(collect_due)(blocks, due, limit, firing);
 }
 
 std::size_t keep_due(const ScheduleBlock* blocks, std::span<std::uint32_t> due, double limit,
                      float* earliest) {
-  return HWY_DYNAMIC_DISPATCH(keep_due)(blocks, due, limit, earliest);
+  return SPIKELOOP_KERNEL(keep_due)(blocks, due, limit, earliest);
 }
 
 std::size_t find_due(const float* earliest, std::size_t count, double limit, std::uint32_t* due) {
-  return HWY_DYNAMIC_DISPATCH(find_due)(earliest, count, limit, due);
+  return SPIKELOOP_KERNEL(find_due)(earliest, count, limit, due);
 }
 
 }  // namespace spikeloop

@@ -1,11 +1,11 @@
 // One neuron of a NEF encoder against theory, and all of them on every instruction set.
-#include <hwy/targets.h>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "sampled_signal.hpp"
 #include "statistics.hpp"
+#include "vector_targets.hpp"
 
 namespace spikeloop::testing::nef_neuron_test {
 namespace {
@@ -197,16 +197,13 @@ TEST(NefNeuron, SlowNeuronsKeepTheirPrecision) {
 
 TEST(NefPopulationOnEveryTarget, GivesTheSameSpikesToTheBit) {
   const SampledSignal signal = noise(40, 13 * kMs);
-  const std::vector<std::int64_t> masks{HWY_EMU128, HWY_AVX2, HWY_AVX3};
+  const VectorTarget best = vector_target();
   for (const std::string times : {"grid", "interpolated"}) {
     std::vector<Spike> reference;
-    for (const std::int64_t mask : masks) {
-      hwy::SetSupportedTargetsForTest(0);
-      if ((hwy::SupportedTargets() & mask) == 0 && mask != HWY_EMU128) {
-        continue;  // this processor has not got it
+    for (const auto target : {VectorTarget::baseline, VectorTarget::avx2, VectorTarget::avx3}) {
+      if (!choose_vector_target(target)) {
+        continue;
       }
-      hwy::SetSupportedTargetsForTest(mask);
-      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
       NodeHarness node = population(3, 203, {{"spike_times", times}});
       drive(node, signal, kMs, false, 3);
       const auto spikes = node.spikes();
@@ -218,11 +215,10 @@ TEST(NefPopulationOnEveryTarget, GivesTheSameSpikesToTheBit) {
                                      [](const Spike& a, const Spike& b) {
                                        return a.time_ns == b.time_ns && a.channel == b.channel;
                                      }))
-          << times << " on " << hwy::TargetName(mask);
+          << times << " on target " << static_cast<int>(target);
     }
   }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  choose_vector_target(best);
 }
 
 TEST(NefEncoderKeys, SaysWhatIsWrong) {
