@@ -167,7 +167,7 @@ def messages(folder):
     for i in range(40):
         (place / f"Twice{i}.msg").write_text(f"Twice{i + 1} a\nTwice{i + 1} b\n")
     (place / "Twice40.msg").write_text("float64 x\n")
-    for i in range(20_000):
+    for i in range(2_000):
         (place / f"Chain{i}.msg").write_text(f"Chain{i + 1} a\n")
     (place / "Many.msg").write_text("".join(f"int8 f{i}\n" for i in range(100_000)))
     return [place / "Twice0.msg", place / "Chain0.msg", place / "Many.msg"]
@@ -190,9 +190,9 @@ def texts(folder):
     head = "experiment: it\nnodes:\n"
     tail = "connections:\n  - a -> b [3]\n"
     many = {
-        "nodes": head + "".join(f"  n{i}: {{node: clip}}\n" for i in range(200_000)) + tail,
+        "nodes": head + "".join(f"  n{i}: {{node: clip}}\n" for i in range(50_000)) + tail,
         "connections": head + "  a: {node: clip}\n  b: {node: clip}\nconnections:\n"
-        + "  - a -> b [3]\n" * 200_000,
+        + "  - a -> b [3]\n" * 50_000,
         "chain": head + "  a: {node: clip}\nconnections:\n  - "
         + " -> ".join(f"n{i}" for i in range(100_000)) + "\n",
         "wrong": head + "".join(f"  n{i}: {{node: nothing}}\n" for i in range(9_000)) + tail,
