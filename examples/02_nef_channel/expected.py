@@ -24,26 +24,28 @@ def noise(rng, ticks):
 
 def filtered_spikes(rng, x, neurons):
     """Leaky integrate-and-fire neurons: rates at the radius from 200 to 400 Hz, intercepts from -1 to
-    0.9. Their spikes behind the kernel, samples x neurons, one population after the other."""
+    0.9. Their spikes behind the kernel, populations x samples x neurons."""
     size = POPULATIONS * neurons
     angle, intercept = rng.uniform(0, 2 * np.pi, size), rng.uniform(-1, 0.9, size)
     full = 1 / (1 - np.exp((T_REF_S - 1 / rng.uniform(200, 400, size)) / TAU_M_S))
     gain = (full - 1) / (1 - intercept)
-    current = (x @ np.array([np.cos(angle), np.sin(angle)])) * gain + 1 - gain * intercept
+    encoders, bias = gain * np.array([np.cos(angle), np.sin(angle)]), 1 - gain * intercept
     potential, rests = rng.uniform(0, 1, size), np.zeros(size)
-    activity = np.zeros((len(x) // EVERY, size))
+    keep, keep_trace = np.exp(-TICK_S / TAU_M_S), np.exp(-TICK_S / TAU_S)
+    activity = np.zeros((POPULATIONS, len(x) // EVERY, neurons))
     trace = np.zeros(size)
-    for k, target in enumerate(current):
-        potential = np.maximum(0, target + (potential - target) * np.exp(-TICK_S / TAU_M_S))
+    for k, vector in enumerate(x):
+        target = vector @ encoders + bias
+        potential = np.maximum(0, target + (potential - target) * keep)
         potential[rests > 0] = 0
         rests -= 1
-        fires = potential >= 1
+        fires = np.flatnonzero(potential >= 1)
         potential[fires], rests[fires] = 0, round(T_REF_S / TICK_S)
-        trace *= np.exp(-TICK_S / TAU_S)
+        trace *= keep_trace
         trace[fires] += 1 / TAU_S
         if k % EVERY == 0:
-            activity[k // EVERY] = trace
-    return np.split(activity, POPULATIONS, axis=1)
+            activity[:, k // EVERY] = trace.reshape(POPULATIONS, neurons)
+    return activity
 
 
 signal, neurons = RunFolder(sys.argv[1]).signal("signal").values, int(sys.argv[2])

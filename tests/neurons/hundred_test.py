@@ -104,11 +104,13 @@ class Case(built_in.FolderCase):
 
     def elsewhere(self, script, *arguments):
         environment = {**os.environ, "PYTHONPATH": str(SIMULATORS)}
-        done = subprocess.run(["/usr/bin/python3", "-B", str(HERE / script), *arguments,
-                               "fired.npy"], cwd=self.folder, env=environment, capture_output=True,
-                              text=True, timeout=250, check=False)
+        done = subprocess.run(["/usr/bin/python3", "-B", str(HERE / script), *arguments],
+                              cwd=self.folder, env=environment, capture_output=True, text=True,
+                              timeout=250, check=False)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        return in_order(*np.load(self.folder / "fired.npy"))
+
+    def fired(self, file):
+        return in_order(*np.load(self.folder / file))
 
     def same(self, one, other, least):
         self.assertGreater(len(one[0]), least)
@@ -120,17 +122,15 @@ class Case(built_in.FolderCase):
 class Brian2(Case):
     """Exact integration on one grid has no error but rounding: every spike is the same."""
 
-    def check(self, model, least):
+    def test_exponential_currents_and_jumps_of_the_potential(self):
         drive = hundred_neurons.driving_spikes(DURATION_S)
-        own = self.own(model, drive, DURATION_S)
         np.save(self.folder / "spikes.npy", np.stack(drive))
-        self.same(own, self.elsewhere("hundred_in_brian.py", model, "spikes.npy", DURATION_MS), least)
-
-    def test_exponential_currents(self):
-        self.check("iaf_psc_exp", 600)
-
-    def test_jumps_of_the_potential(self):
-        self.check("iaf_psc_delta", 1200)
+        least = {"iaf_psc_exp": 600, "iaf_psc_delta": 1200}
+        # Once for both: it takes a second to import Brian2.
+        self.elsewhere("hundred_in_brian.py", "spikes.npy", DURATION_MS, *least)
+        for model, count in least.items():
+            with self.subTest(model):
+                self.same(self.own(model, drive, DURATION_S), self.fired(f"{model}.npy"), count)
 
 
 class WithoutAGrid(Case):
@@ -160,8 +160,8 @@ class WithoutAGrid(Case):
             (self.folder / "task.json").write_text(json.dumps(
                 {"parameters": self.quiet(), "factor": self.FACTOR, "variable": variable,
                  "projections": odd}))
-            self.same(own, self.elsewhere("hundred_in_neuron.py", "task.json", "spikes.npy",
-                                          DURATION_MS), 250)
+            self.elsewhere("hundred_in_neuron.py", "task.json", "spikes.npy", DURATION_MS, "fired.npy")
+            self.same(own, self.fired("fired.npy"), 250)
 
     def test_a_grid_that_holds_every_event(self):
         # Driving spikes are in whole microseconds, delays in tenths of a millisecond.

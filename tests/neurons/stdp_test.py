@@ -170,15 +170,21 @@ def dopamine_weight(pre, post, rewards, signal, w, end, p):
     times = np.unique(np.concatenate([[0.0, end], jumps[:, 0], rewards,
                                       [time for time, _ in signal]]))
     times = times[times <= end]
-    for begin, stop in zip(times, times[1:]):
-        at = begin + (stop - begin) * (nodes + 1) / 2
-        known = jumps[jumps[:, 0] <= begin + 1e-6]
-        c = (known[:, 1] * np.exp((known[:, 0] - at[:, None]) / p["tau_c"])).sum(axis=1)
-        past = rewards[rewards <= begin + 1e-6]
-        n = np.exp((past - at[:, None]) / p["tau_n"]).sum(axis=1) / p["tau_n"]
-        r = ([0.0] + [value for time, value in signal if time <= begin + 1e-6])[-1]
-        w += (stop - begin) / 2 * (factors * c * (n + r - p["b"])).sum()
-        w = min(p["Wmax"], max(p["Wmin"], w))
+    begins, halves = times[:-1], np.diff(times)[:, None] / 2
+    at = begins[:, None] + halves * (nodes + 1)
+
+    def sums(events, sizes, tau):
+        """What is left at the nodes of an interval of all events up to its begin."""
+        left = np.exp((events - at[:, :, None]) / tau, where=(events <= begins[:, None] + 1e-6)[:, None],
+                      out=np.zeros((*at.shape, len(events))))
+        return left @ sizes
+
+    c = sums(jumps[:, 0], jumps[:, 1], p["tau_c"])
+    n = sums(rewards, np.full(len(rewards), 1 / p["tau_n"]), p["tau_n"])
+    known = np.searchsorted([time for time, _ in signal], begins + 1e-6, "right")
+    r = np.array([0.0, *(value for _, value in signal)])[known, None]
+    for change in (halves * factors * c * (n + r - p["b"])).sum(axis=1):
+        w = min(p["Wmax"], max(p["Wmin"], w + change))
     return w
 
 

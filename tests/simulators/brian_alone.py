@@ -9,10 +9,11 @@ import pathlib
 import sys
 
 import numpy as np
-from brian2 import SpikeGeneratorGroup, SpikeMonitor, defaultclock, ms, prefs, second
 
 sys.path.insert(0, "scripts")
 from brian_network import network_of
+
+from brian2 import SpikeGeneratorGroup, SpikeMonitor, defaultclock, ms, prefs, second
 
 prefs.codegen.target = "numpy"
 step_ns = int(sys.argv[2])

@@ -268,7 +268,9 @@ class SimulatorFaults(unittest.TestCase):
             "of 0.3 ms; choose another defaultclock.dt",
             "b.defaultclock.dt = 0.1 * b.ms; " + group + "n = b.Network(g); n.run(1 * b.ms); "
             "host.run(n)": "the network's time is 0.001 s before the run; let host.run() be its first"}
-        self.refused(".brian", "import brian2 as b", statements,
+        # Without what spikeloop.brian leaves out of Brian2's imports, and without compilation: both take longer.
+        imports = "import spikeloop.brian; import brian2 as b; b.prefs.codegen.target = 'numpy'"
+        self.refused(".brian", imports, statements,
                      "this Brian2 device runs a program of its own; leave set_device() out",
                      last="b.set_device('cpp_standalone'); host.run(b.Network())")
 

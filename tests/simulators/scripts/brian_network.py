@@ -1,5 +1,9 @@
-"""A network of Brian2's, for the script and for the run without MUSIC."""
-from brian2 import Network, NeuronGroup, Synapses, ms, nS, mV, pF, pA  # noqa: F401
+"""A network of Brian2's, for the script and for the run without MUSIC. To be imported before Brian2."""
+import sys
+
+# Brian2 works without these; to import them takes half of its start.
+sys.modules.update(dict.fromkeys(("Cython", "matplotlib", "pytest")))
+from brian2 import Network, NeuronGroup, Synapses, ms, nS, mV, pF, pA  # noqa: E402, F401
 
 EQUATIONS = """
 dv/dt = (-70*mV - v) / (15*ms) + (g * (0*mV - v)) / (200*pF) : volt (unless refractory)
