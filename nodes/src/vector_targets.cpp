@@ -5,7 +5,7 @@
 namespace spikeloop {
 namespace {
 
-/// What Highway needs for HWY_AVX2 and HWY_AVX3.
+/// The parts of HWY_AVX2 and HWY_AVX3 that kernels use.
 VectorTarget best_target() {
 #ifdef __x86_64__
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&

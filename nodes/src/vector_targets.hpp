@@ -1,12 +1,15 @@
 // Which instruction sets kernels are compiled for, and which of them this processor runs; included
-// before Highway. Those without fused multiply-add are left to the baseline, which computes it by
-// std::fma. Highway's own choice, HWY_DYNAMIC_DISPATCH, needs its library, which measures the clock
-// for 4 ms whenever a program starts.
+// before Highway. x86 without fused multiply-add is left to the baseline, which computes it by
+// std::fma, and so are ARM's scalable vectors, to NEON. Highway's own choice, HWY_DYNAMIC_DISPATCH,
+// needs its library, which measures the clock for 4 ms whenever a program starts; so do its
+// assertions.
 #pragma once
 
 #include <type_traits>
 
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4)
+#define HWY_DISABLED_TARGETS \
+  (HWY_SSSE3 | HWY_SSE4 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+#define HWY_IS_DEBUG_BUILD 0
 
 namespace spikeloop {
 
