@@ -1,8 +1,8 @@
 // Which instruction sets kernels are compiled for, and which of them this processor runs; included
 // before Highway. x86 without fused multiply-add is left to the baseline, which computes it by
-// std::fma, and so are ARM's scalable vectors, to NEON. Highway's own choice, HWY_DYNAMIC_DISPATCH,
-// needs its library, which measures the clock for 4 ms whenever a program starts; so do its
-// assertions.
+// std::fma; ARM's scalable vectors are left to NEON. Highway's own choice, HWY_DYNAMIC_DISPATCH,
+// needs its library, which measures the clock for 4 ms whenever a program starts. Its assertions
+// need the library, too.
 #pragma once
 
 #include <type_traits>

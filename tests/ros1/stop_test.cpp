@@ -90,6 +90,18 @@ TEST_F(StopTest, clean_stop) {
   EXPECT_EQ(outcome.left_behind, 0);
 }
 
+TEST_F(StopTest, clean_stop_while_a_partner_is_waited_for) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100", "watchdog=30"));
+  const pid_t partner = process("spikeloop-node");
+  ASSERT_GT(partner, 0);
+  kill(partner, SIGSTOP);
+  const auto begin = ros_peer::monotonic_now();
+  child_->signal(SIGUSR1);
+  EXPECT_LE(time_to_zero(begin, 10), deadline_.since(begin));
+  kill(partner, SIGCONT);
+  EXPECT_EQ(child_->wait().exit_code, 0);
+}
+
 TEST_F(StopTest, normal_end) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=2"));
   const auto outcome = child_->wait();

@@ -103,7 +103,6 @@ class Fault(typing.NamedTuple):
     ends: bool  # the run
     when: typing.Callable = robots.Robot.is_driven
     undo: typing.Callable = None  # of the robot; it is driven again
-    more: tuple = ()  # words of the run
 
 
 def released(robot):
@@ -125,9 +124,7 @@ def faults(layout):
         *(Fault("encoder killed", kill(*place), WATCHDOG_MS, "`watchdog`", True) for place in encoder),
         Fault("adapter killed", kill(*adapter), 0, "guard", True),
         Fault("adapter killed at its first command", kill(*adapter), 0, "guard", True, robots.Robot.has_moved),
-        # No watchdog stops the robot in the signal's place. An exported job has no --set.
-        Fault("Ctrl-C", ctrl_c, 0, "signal", True,
-              more=() if layout == "music" else ("--set", "wheels.watchdog=10 s")),
+        Fault("Ctrl-C", ctrl_c, 0, "signal", True),
         Fault("launcher killed (SIGKILL)", kill_launcher, 0, "signal", True)]
     return [
         [Fault("sensor silent", sensor_silent, SENSOR_TIMEOUT_MS, "`sensor_timeout`", False, undo=sensor_back),
@@ -178,7 +175,7 @@ def measured(robot, words, faults):
         robot.scans(True)
         log = open(folder / "printed", "w", encoding="utf-8")
         process = subprocess.Popen(
-            [*words, *faults[0].more, "--out", folder / "run"], stdout=log, stderr=log, start_new_session=True)
+            [*words, "--out", folder / "run"], stdout=log, stderr=log, start_new_session=True)
         family, rests = {}, []
         try:
             for fault in faults:
