@@ -29,7 +29,7 @@ void become_python(const std::string& module, const std::vector<std::string>& ar
   ::setenv("PYTHONPATH", python_path().c_str(), 1);
   ::setenv("PYTHONSAFEPATH", "1", 1);  // no module of the working directory's
   ::setenv("MPLBACKEND", "Agg", 1);
-  std::vector<std::string> words{python, "-B", "-m", module};
+  std::vector<std::string> words{python, "-m", module};
   words.insert(words.end(), arguments.begin(), arguments.end());
   throw FileError("start", python, become_program(words));
 }
