@@ -152,7 +152,7 @@ TEST_F(GuardTest, launcher_killed_while_the_master_hangs) {
   core_.signal(SIGSTOP);
   const auto begin = monotonic_now();
   child_->signal(SIGKILL);
-  expect_zero_since(begin, "launcher killed, master hangs");
+  expect_zero_since(begin, "launcher killed, master hangs", time_to_death(begin));
   expect_nothing_left(begin);
   core_.signal(SIGCONT);
 }
