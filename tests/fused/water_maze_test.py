@@ -39,8 +39,8 @@ def check_error(folder):
     """Over the first 20 s, and around the reward."""
     spikes_ns, channels = runs.recordings.spikes(folder, "brain")
     spikes_s = spikes_ns[channels < CRITICS] * 1e-9
-    rewarded = np.flatnonzero(held(folder, "reward", np.arange(1, 100, TICK_S))[:, 0])
-    assert len(rewarded), "no reward in the first 100 s"
+    rewarded = np.flatnonzero(held(folder, "reward", np.arange(1, 60, TICK_S))[:, 0])
+    assert len(rewarded), "no reward in the first minute"
     begin = 1 + rewarded[0] * TICK_S - 2
     ticks = np.round(np.concatenate([np.arange(1, 20, TICK_S), np.arange(begin, begin + 4, TICK_S)]) / TICK_S)
     before = (ticks - 1) * TICK_S  # the inputs come a tick later
@@ -68,15 +68,15 @@ def main():
             return latencies(folder / name)
 
         begin, end = [], []
-        for seed in (101, 105):  # of which neither finds the platform soon by chance
-            steps = swim(f"seed{seed}", seed, 12)
+        for seed in (101, 102, 104):
+            steps = swim(f"seed{seed}", seed, 14)
             begin += steps[:4]
-            end += steps[-4:]
+            end += steps[-6:]
         assert np.mean(end) < 0.6 * np.mean(begin), (begin, end)
-        check_error(folder / "seed105")
+        check_error(folder / "seed102")
 
-        assert swim("once", 105, 3) == latencies(folder / "seed105")[:3]
-        swim("again", 105, 3)
+        assert swim("once", 102, 3) == latencies(folder / "seed102")[:3]
+        swim("again", 102, 3)
         assert runs.fingerprint(folder / "once") == runs.fingerprint(folder / "again")
         print(f"steps to the platform: {np.mean(begin):.0f} at first, {np.mean(end):.0f} later")
 

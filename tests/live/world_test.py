@@ -28,7 +28,6 @@ connections:
 HALF_HEIGHTS = (0.45, 0.1, 0.25, 0.4, 0.15, 0.3)
 TOPS = {"light": (0xd9, 0xd9, 0xd9), "dark": (0x4a, 0x4f, 0x57)}  # live/page/palette.js, fill
 EDGE = 2.0  # pixels at the edges of tops are not compared: lines
-EVERY = 2  # one row and column in so many is compared: all of them take four times as long
 
 
 def write_world(folder):
@@ -58,7 +57,7 @@ class Rays:
         about_z = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
         about_x = np.array([[1, 0, 0], [0, np.cos(tilt), -np.sin(tilt)], [0, np.sin(tilt), np.cos(tilt)]])
         camera = about_x @ about_z
-        column, row = np.meshgrid(*(np.arange(0, world[side], EVERY) + 0.5 for side in ("width", "height")))
+        column, row = np.meshgrid(np.arange(world["width"]) + 0.5, np.arange(world["height"]) + 0.5)
         across = (column - world["width"] / 2) / view["scale"], (world["height"] / 2 - row) / view["scale"]
         # A point of each ray, and the direction to the viewer; camera.T is the inverse.
         self.begin = np.stack([*across, np.zeros_like(across[0])], axis=-1) @ camera + [view["x"], view["y"], 0]
@@ -109,7 +108,7 @@ class World(viewing.FolderCase):
             page.driver.execute_async_script("requestAnimationFrame(() => setTimeout(arguments[0], 200))")
             shown = page.driver.execute_script("return document.getElementById('world-canvas').toDataURL()")
         pixels = matplotlib.image.imread(io.BytesIO(base64.b64decode(shown.split(",")[1])))
-        return np.round(255 * pixels[::EVERY, ::EVERY]).astype(int)
+        return np.round(255 * pixels).astype(int)
 
     def compare(self, page, world, colour):
         """The tops of obstacles are where rays meet them, and nowhere else."""

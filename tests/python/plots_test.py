@@ -92,7 +92,6 @@ class IncompleteTest(fake_run.FolderCase):
         self.assertEqual(sensor, f"spikeloop: no sensor in '{self.folder}': recorded: command, network; write "
                          "record=true into its section, or name it with --sensor LABEL")
 
-    @unrendered
     def test_recordings_without_a_robot(self):
         fake_run.make(self.folder, duration_s=5.0)
         (self.folder / "trajectory.csv").unlink()
@@ -279,7 +278,6 @@ class ExperimentTest(fake_run.FolderCase):
             self.assertEqual(code, 4)
             self.assertIn(expected, err)
 
-    @unrendered
     def test_one_damaged_recording_leaves_the_others(self):
         self.make({"a": "ros_sensor", "b": "clip"}, [("a.out", "b.in")])
         self.signal("a")
