@@ -124,7 +124,7 @@ def stopped(scratch):
     folder = scratch / "stopped"
     file = both(scratch, "realtime")
     process = runs.started(file, folder)
-    time.sleep(1)
+    runs.wait_for_row(folder, process, lambda row: row["t_s"] > 0.5)
     runs.interrupt(process)
     simulated = json.loads((folder / "summary.json").read_text())["simulated_s"]
     assert 0.2 < simulated < 4.9, simulated

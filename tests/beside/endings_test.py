@@ -1,14 +1,12 @@
 #!/usr/bin/python3
 """However a simulator ends the run, it is said, the robot stands, and nothing recorded is lost."""
 
-import csv
 import json
 import os
 import pathlib
 import signal
 import sys
 import tempfile
-import time
 
 import experiments
 from experiments import runs
@@ -66,26 +64,14 @@ def unknown_parameter(scratch):
     runs.assert_says(printed, "explorer.yaml ... 'hesitatin'; ... 'hesitating'? ... [SL0103]")
 
 
-def speeds(folder):
-    """Of the robot, m/s, as far as they are on disk: the last line may be half there."""
-    path = folder / "trajectory.csv"
-    lines = path.read_text(encoding="utf-8").splitlines(keepends=True) if path.exists() else []
-    whole = [line for line in lines if line.endswith("\n")]
-    return [float(row["v_m_s"]) for row in csv.DictReader(whole)]
-
-
-def wait_until_it_drives(folder, process):
-    while process.poll() is None:
-        if any(speed > 0.1 for speed in speeds(folder)):
-            return
-        time.sleep(0.05)
-    raise AssertionError(process.communicate())
+def drives(row):
+    return row["v_m_s"] > 0.1
 
 
 def interrupted(scratch):
     file = experiments.explorer(scratch, BRAIN, sync="realtime", duration="60 s")
     process = runs.started(file, scratch / "interrupted")
-    wait_until_it_drives(scratch / "interrupted", process)
+    runs.wait_for_row(scratch / "interrupted", process, drives)
     runs.interrupt(process)
     summary = json.loads((scratch / "interrupted/summary.json").read_text())
     assert 0 < summary["simulated_s"] < 60, summary
@@ -101,10 +87,11 @@ def killed_over_ros(scratch):
     """The robot of a simulator that is gone stands."""
     file = experiments.explorer(scratch, BRAIN, sync="realtime", ros="1", duration="60 s")
     process = runs.started(file, scratch / "dead")
-    wait_until_it_drives(scratch / "dead", process)
+    runs.wait_for_row(scratch / "dead", process, drives)
     os.kill(jobs.find(process.pid, "echo.py"), signal.SIGKILL)
     runs.ended(process, 137, KILLED)
-    assert abs(speeds(scratch / "dead")[-1]) < 0.05, speeds(scratch / "dead")[-5:]
+    rows = runs.trajectory(scratch / "dead")
+    assert abs(rows[-1]["v_m_s"]) < 0.05, rows[-5:]
 
 
 def hanging_over_ros(scratch):

@@ -1,5 +1,6 @@
 """Runs experiments and reads what they leave; for the tests beside this file."""
 
+import csv
 import hashlib
 import json
 import pathlib
@@ -45,6 +46,21 @@ def started(experiment, folder, *more, command="run"):
         assert process.poll() is None, process.communicate()
         time.sleep(0.02)
     return process
+
+
+def trajectory(folder):
+    """Rows of trajectory.csv on disk while it is written: the last line may be half there."""
+    path = folder / "trajectory.csv"
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True) if path.exists() else []
+    whole = [line for line in lines if line.endswith("\n")]
+    return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(whole)]
+
+
+def wait_for_row(folder, process, wanted):
+    """Until trajectory.csv has a row for which wanted(row) is true."""
+    while not any(map(wanted, trajectory(folder))):
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.05)
 
 
 def ended(process, code, *expected):

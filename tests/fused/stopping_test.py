@@ -32,8 +32,9 @@ def losing(step):
 
 @spikeloop.node(inputs={"in": "signal"}, outputs={"out": spikeloop.Signal(same_as="in")})
 def hanging(step):
-    import time
+    import pathlib, time
     if step.begin > 100_000_000:
+        pathlib.Path(__file__).with_name("hangs").touch()
         time.sleep(60)
 """
 
@@ -42,7 +43,7 @@ def interrupted(scratch):
     file = runs.new_experiment(scratch / "long.yaml", duration="60 s")
     folder = scratch / "long"
     process = runs.started(file, folder)
-    time.sleep(0.5)
+    runs.wait_for_row(folder, process, lambda row: row["v_m_s"] > 0.1)
     runs.refused(f"'{folder}'; ... --out [SL0109]", "run", file, "--out", folder, code=4)
     runs.interrupt(process, "stopped by Ctrl-C")
     summary = json.loads((folder / "summary.json").read_text())
@@ -64,7 +65,9 @@ def with_node(scratch, name):
 def hanging_node(scratch):
     file = with_node(scratch, "hanging")
     process = runs.started(file, scratch / "hung")
-    time.sleep(1)
+    while not (scratch / "hangs").exists():
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.02)
     runs.interrupt(process, "a node has not come back within 3 s")
 
 

@@ -120,9 +120,12 @@ TEST(ProcessTree, TellsTheSignalThatEndedIt) {
 }
 
 TEST(ProcessTree, EndsWhatTheProgramLeavesBehind) {
-  // A session of its own, an orphan, deaf to SIGTERM: the subreaper adopts and kills it.
+  // A session of its own, an orphan, deaf to SIGTERM: the subreaper adopts and kills it. The
+  // program ends when the orphan has printed its number and writes to the program's own output
+  // again.
   ProcessTree tree(
-      shell("setsid sh -c 'trap \"\" TERM; echo $$; sleep 1000; sleep 1000' & sleep 0.3"));
+      shell("exec 3>&1; echo $(setsid sh -c 'trap \"\" TERM; echo $$; exec >&3; "
+            "sleep 1000; sleep 1000' &)"));
   const pid_t orphan = std::stoi(output_of(tree));
   EXPECT_EQ(exit_code(tree.status().value()), 0);
   EXPECT_EQ(kill(orphan, 0), -1);

@@ -50,6 +50,10 @@ void pause_for(int microseconds) {
 [[noreturn]] void send_for_ever(const Sinks& sinks) {
   for (TimeNs k = 0;; ++k) {
     sinks.send(k);
+    if (k == 100) {
+      fmt::print("sending\n");
+      std::fflush(stdout);
+    }
     pause_for(100);
   }
 }
@@ -125,7 +129,5 @@ int main(int argc, char** argv) {
       pause();
     }
   }
-  fmt::print("sending\n");
-  std::fflush(stdout);
   send_for_ever(sinks);
 }

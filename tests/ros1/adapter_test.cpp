@@ -183,7 +183,11 @@ TEST_F(AdapterTest, no_command_from_an_offset_before_the_first_message) {
                      "decoder.out -> command.in [1]\nsensor.data_stamp -> command.data_stamp [1]\n",
                      SPIKELOOP_BIN)));
   ASSERT_TRUE(eventually(60, [&] { return robot_.publishers("/cmd_vel") == 1; }));
-  std::this_thread::sleep_for(std::chrono::milliseconds(3500));
+  EXPECT_TRUE(child_->wait_for(
+      "sensor: warning: no message on topic '/scan' for 2 s; 'rostopic list' shows what there is "
+      "with ROS_MASTER_URI=http",
+      std::chrono::seconds(60)))
+      << child_->output();
   EXPECT_TRUE(nothing_drives());
   robot_.publish_scan("/scan", {4.0f}, 0.5f, 4.5f);
   EXPECT_TRUE(eventually(20, [&] {
@@ -192,9 +196,6 @@ TEST_F(AdapterTest, no_command_from_an_offset_before_the_first_message) {
     return !nothing_drives();
   }));
   finish();
-  EXPECT_THAT(child_->output(),
-              HasSubstr("sensor: warning: no message on topic '/scan' for 2 s; 'rostopic "
-                        "list' shows what there is with ROS_MASTER_URI=http"));
 }
 
 // A laser that sees nothing at all is as good as one that is silent.
