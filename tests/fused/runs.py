@@ -42,10 +42,15 @@ def started(experiment, folder, *more, command="run"):
     """The process of a run or a replay that has opened its recordings."""
     process = subprocess.Popen([SPIKELOOP, command, str(experiment), "--out", str(folder), *more],
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    while not any(folder.glob("*.h5")):
+    wait(process, lambda: any(folder.glob("*.h5")))
+    return process
+
+
+def wait(process, condition):
+    """Until it is fulfilled, while the process runs."""
+    while not condition():
         assert process.poll() is None, process.communicate()
         time.sleep(0.02)
-    return process
 
 
 def trajectory(folder):
@@ -58,9 +63,7 @@ def trajectory(folder):
 
 def wait_for_row(folder, process, wanted):
     """Until trajectory.csv has a row for which wanted(row) is true."""
-    while not any(map(wanted, trajectory(folder))):
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.05)
+    wait(process, lambda: any(map(wanted, trajectory(folder))))
 
 
 def ended(process, code, *expected):

@@ -6,7 +6,6 @@ import json
 import pathlib
 import sys
 import tempfile
-import time
 
 import runs
 
@@ -65,9 +64,7 @@ def with_node(scratch, name):
 def hanging_node(scratch):
     file = with_node(scratch, "hanging")
     process = runs.started(file, scratch / "hung")
-    while not (scratch / "hangs").exists():
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.02)
+    runs.wait(process, (scratch / "hangs").exists)
     runs.interrupt(process, "a node has not come back within 3 s")
 
 
