@@ -95,7 +95,7 @@ class Loop {
     if (const vehicle::Vehicle* const vehicle = robot_.robot().vehicle()) {
       shown["collisions"] = vehicle->statistics().collisions;
     }
-    status_.progress(robot_.time(), report.wall_time, report.overruns, shown);
+    status_.progress({robot_.time(), report.wall_time, report.overruns}, shown);
   }
 
   void finish() {

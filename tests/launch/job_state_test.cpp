@@ -19,10 +19,11 @@ class State : public testing::Test {
   JobState state_{file_};
   Clock::time_point now_ = Clock::now();
 
-  void tell(const std::string& label, const std::string& type, json more = json::object()) {
+  /// Whether it is new progress.
+  bool tell(const std::string& label, const std::string& type, json more = json::object()) {
     more["type"] = type;
     more["process"] = label;
-    state_.take(more, now_);
+    return state_.take(more, now_);
   }
   void beat(const std::string& label, const char* phase, double simulated_s) {
     tell(label, "alive", {{"phase", phase}, {"simulated_s", simulated_s}});
@@ -285,10 +286,12 @@ TEST_F(State, ProgressIsThatOfTheProcessThatWaitsForTheClock) {
   EXPECT_EQ(state_.progress().overruns, 5u);
   EXPECT_EQ(state_.progress().real_time_factor(), 0.75);
   EXPECT_EQ(state_.progress().total_s, 10.0);
-  tell("c", "report", {{"simulated_s", 10.0}});
+  EXPECT_FALSE(tell("c", "report", {{"simulated_s", 10.0}}));
   EXPECT_EQ(state_.progress().simulated_s, 3.0);
-  tell("a", "report", {{"simulated_s", 4.0}});
+  EXPECT_TRUE(tell("a", "report", {{"simulated_s", 4.0}, {"wall_s", 8.0}, {"overruns", 6}}));
   EXPECT_EQ(state_.progress().simulated_s, 4.0) << "the message before it was lost";
+  EXPECT_EQ(state_.progress().overruns, 6u);
+  EXPECT_EQ(state_.progress().real_time_factor(), 0.5);
 }
 
 TEST_F(State, MergesTheSummaries) {

@@ -143,10 +143,10 @@ class RecordedRuns(viewing.FolderCase):
     def same_channels_as_the_view(self, exported):
         with View(self.folder) as shown:
             viewer = viewing.Viewer(shown.socket_url())
-            viewer.until(lambda: "/encoder/out" in viewer.messages)
+            topics = {topic for _, topic, _, _ in exported.channels.values()}
+            viewer.until(lambda: topics <= {each["topic"] for each in viewer.channels.values()})
         served = {each["topic"]: (each["schemaName"], each["encoding"], each["schemaEncoding"], each["schema"])
                   for each in viewer.channels.values() if not each["topic"].startswith("/spikeloop/")}
-        topics = {topic for _, topic, _, _ in exported.channels.values()}
         self.assertEqual({topic: exported.type_of(topic) for topic in topics}, served)
 
     def test_ctrl_c_leaves_the_older_file(self):

@@ -49,8 +49,8 @@ TEST_F(Status, BringsEveryMessage) {
   const Sender sender("encoder");
   sender.started();
   sender.first_tick();
-  sender.progress(1'500'000'000, 1'600'000'000, 3, {{"age_s", 0.02}});
-  sender.report({{"late", 2}}, {{"scans", 7}});
+  sender.progress({1'500'000'000, 1'600'000'000, 3}, {{"age_s", 0.02}});
+  sender.report({{"late", 2}}, {{"scans", 7}}, Reached{2'000'000'000, 2'500'000'000, 4});
   sender.failure(2, "tau is -1; write a time above 0");
   EXPECT_EQ(next(), (json{{"type", "started"}, {"process", "encoder"}, {"pid", getpid()}}));
   EXPECT_EQ(next(), (json{{"type", "first_tick"}, {"process", "encoder"}}));
@@ -62,6 +62,9 @@ TEST_F(Status, BringsEveryMessage) {
                           {"age_s", 0.02}}));
   EXPECT_EQ(next(), (json{{"type", "report"},
                           {"process", "encoder"},
+                          {"simulated_s", 2.0},
+                          {"wall_s", 2.5},
+                          {"overruns", 4},
                           {"counters", {{"late", 2}}},
                           {"summary", {{"scans", 7}}}}));
   EXPECT_EQ(next(), (json{{"type", "failure"},
@@ -92,7 +95,7 @@ TEST_F(Status, WithoutALauncherNothingHappens) {
   const Sender sender("a");
   sender.started();
   sender.first_tick();
-  sender.progress(0, 0, 0);
+  sender.progress({});
   sender.report({}, {});
   sender.failure(1, "x");
   EXPECT_FALSE(receiver_->next(0ms));
@@ -110,7 +113,7 @@ TEST_F(Status, APathThatLeadsNowhereIsNoLauncher) {
 TEST_F(Status, AFullSocketDropsProgressAndDelaysTheReport) {
   const Sender sender("a");
   for (int i = 0; i < 10'000; ++i) {
-    sender.progress(i, i, 0);
+    sender.progress({i, i, 0});
   }
   std::thread reporter([&sender] { sender.report({}, {{"last", true}}); });
   std::size_t progress = 0;
@@ -128,7 +131,7 @@ TEST_F(Status, AFullSocketDropsProgressAndDelaysTheReport) {
 TEST_F(Status, AReceiverThatNeverReadsHoldsNobodyForLong) {
   const Sender sender("a");
   for (int i = 0; i < 10'000; ++i) {
-    sender.progress(i, i, 0);
+    sender.progress({i, i, 0});
   }
   sender.report({}, {});
   sender.failure(1, "x");
@@ -140,7 +143,7 @@ TEST_F(Status, AReceiverThatHasGoneIsNoError) {
   sender.started();
   receiver_.reset();
   EXPECT_FALSE(std::filesystem::exists(path_));
-  sender.progress(0, 0, 0);
+  sender.progress({});
   sender.report({}, {});
   sender.failure(1, "x");
 }

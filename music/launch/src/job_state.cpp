@@ -98,9 +98,7 @@ bool JobState::take(const json& message, Clock::time_point now) {
     process.counters = object_of(message, "counters");
     process.summary = object_of(message, "summary");
     // The last message of progress may be lost, a report is not.
-    if (!process.program.empty() && (label == clock_master_ || !clock_master_heard_)) {
-      progress_.simulated_s = std::max(progress_.simulated_s, process.simulated_s);
-    }
+    return take_progress(label, message);
   } else if (type == "failure" && !failure_) {
     failure_ = {std::max(1, value_of(message, "exit_code", 1)),
                 fmt::format("{}: {}", label, value_of(message, "message", std::string("failed")))};

@@ -42,7 +42,7 @@ class Progress {
   // The run's length is what the last word says.
   void tell(TimeNs time) const {
     const auto report = report_();
-    sender_.progress(time, report.wall_time, report.overruns);
+    sender_.progress({time, report.wall_time, report.overruns});
   }
 
  private:
@@ -160,7 +160,8 @@ struct Process::Loop::State {
             ? hooks.counters()
             : final_counters(graphs, summed_counters(graphs, process.label, process.ranks), clock,
                              keys.clock_master),
-        hooks.summary ? hooks.summary() : json::object(), time);
+        hooks.summary ? hooks.summary() : json::object(),
+        status::Reached{time, clock.wall_time, clock.overruns});
   }
 };
 

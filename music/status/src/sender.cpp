@@ -53,6 +53,12 @@ bool send_text(int fd, const std::string& text, milliseconds patience) {
   return true;
 }
 
+void add(const Reached& reached, json& message) {
+  message["simulated_s"] = to_seconds(reached.simulated);
+  message["wall_s"] = to_seconds(reached.wall);
+  message["overruns"] = reached.overruns;
+}
+
 std::string text_of(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -95,8 +101,7 @@ void Sender::first_tick() const {
   }
 }
 
-void Sender::progress(TimeNs simulated, TimeNs wall, std::uint64_t overruns,
-                      const json& extra) const {
+void Sender::progress(const Reached& reached, const json& extra) const {
   if (socket_.get() < 0) {
     return;
   }
@@ -104,9 +109,7 @@ void Sender::progress(TimeNs simulated, TimeNs wall, std::uint64_t overruns,
   if (extra.is_object()) {
     progress.update(extra);
   }
-  progress["simulated_s"] = to_seconds(simulated);
-  progress["wall_s"] = to_seconds(wall);
-  progress["overruns"] = overruns;
+  add(reached, progress);
   send_text(socket_.get(), text_of(progress), milliseconds{0});
 }
 
@@ -127,13 +130,13 @@ void Sender::terminated() const {
 }
 
 void Sender::report(const json& counters, const json& summary,
-                    std::optional<TimeNs> simulated) const {
+                    const std::optional<Reached>& reached) const {
   if (socket_.get() < 0) {
     return;
   }
   json report = message("report");
-  if (simulated) {
-    report["simulated_s"] = to_seconds(*simulated);
+  if (reached) {
+    add(*reached, report);
   }
   report["counters"] = counters.is_object() ? counters : json::object();
   report["summary"] = summary.is_object() ? summary : json::object();

@@ -34,6 +34,13 @@ std::optional<Phase> phase_named(std::string_view name);
 /// for want of data. Such a run has failed.
 inline constexpr const char* kStoodAtEnd = "stood_at_end";
 
+/// How far a process came.
+struct Reached {
+  TimeNs simulated = 0;
+  TimeNs wall = 0;
+  std::uint64_t overruns = 0;
+};
+
 /// Adds a summary to those of other processes or commands: counts add up, of latencies and of the
 /// time that the robot stood the largest counts, and of all else the last one.
 void add_summary(const nlohmann::json& summary, nlohmann::json& sum);
@@ -55,15 +62,14 @@ class Sender {
   /// When the loop has begun. Waits up to 10 ms for room.
   void first_tick() const;
   /// Never waits: dropped when there is no room. The members of the object `extra` are added.
-  void progress(TimeNs simulated, TimeNs wall, std::uint64_t overruns,
-                const nlohmann::json& extra = {}) const;
+  void progress(const Reached& reached, const nlohmann::json& extra = {}) const;
   /// A heartbeat, in every phase. Never waits.
   void alive(Phase phase, TimeNs simulated) const;
   /// Once at the end. Waits up to 1 s for room. A report that does not fit a datagram (at least
-  /// 200 kB do) is replaced by one whose member `too_large` holds its size. With `simulated`, how
-  /// far the process came: the last progress may have been dropped.
+  /// 200 kB do) is replaced by one whose member `too_large` holds its size. With `reached`, how far
+  /// the process came: the last progress may have been dropped.
   void report(const nlohmann::json& counters, const nlohmann::json& summary,
-              std::optional<TimeNs> simulated = std::nullopt) const;
+              const std::optional<Reached>& reached = std::nullopt) const;
   /// SIGTERM ends the process. Never waits.
   void terminated() const;
   /// Before the process ends because of an error. Waits up to 1 s for room; a message longer than
