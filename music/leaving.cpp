@@ -5,6 +5,7 @@
 // It enters programs of any kind: it needs libc alone.
 
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -40,7 +41,10 @@ void tell_launcher() {
   const int length =
       snprintf(text, sizeof text, R"({"type":"leaving","process":"","rank":%d})", rank);
   const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  sendto(fd, text, static_cast<std::size_t>(length), MSG_DONTWAIT | MSG_NOSIGNAL,
+  // Others may just fill its socket.
+  const timeval patience{1, 0};
+  setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+  sendto(fd, text, static_cast<std::size_t>(length), MSG_NOSIGNAL,
          reinterpret_cast<const sockaddr*>(&launcher), sizeof launcher);
   close(fd);
 }

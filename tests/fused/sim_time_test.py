@@ -228,8 +228,7 @@ def followed_in_ros2(scratch):
     silence(lambda name: Run(file, scratch / f"{name}-ros2"), "ros2 topic")
     run = Run(file, scratch / "follower")
     with ros.program(*robot) as simulator:
-        ros.until((scratch / "follower/wheels.h5").exists, "run")
-        time.sleep(2)
+        ros.until(lambda: runs.trajectory(scratch / "follower"), "a path")
         simulator.send_signal(signal.SIGSTOP)
         run.says("for 3 s: is the simulator paused? The experiment waits")
         simulator.send_signal(signal.SIGCONT)

@@ -23,12 +23,11 @@ class Control(viewing.FolderCase):
             viewer.until(lambda: len(viewer.messages[STATUS]) > seen + 5)
             self.assertAlmostEqual(viewer.status()["simulated_s"] - paused_at, 3e-3, 9)
             viewer.set("run.speed", 0.5)
-            viewer.set("run.pause", False)
-            viewer.until(lambda: not viewer.status()["paused"])
             first = viewer.status()
             began = time.monotonic()
+            viewer.set("run.pause", False)
             viewer.until(lambda: viewer.status()["simulated_s"] > first["simulated_s"] + 1)
-            self.assertGreater(time.monotonic() - began, 1.7)  # 2 s, but for what was on its way
+            self.assertGreater(time.monotonic() - began, 1.9)  # 2 s
             viewer.set("run.speed", 0)
             viewer.until(lambda: viewer.status()["simulated_s"] > first["simulated_s"] + 10)
             viewer.set("run.speed", -1)

@@ -34,6 +34,9 @@ class Stop(viewing.FolderCase):
             self.assertTrue(viewer.parameters["run.stop"])
             # A zero is the last command; 16 zeros of linear and angular.
             viewer.until(lambda: not any(viewer.messages["/cmd_vel"][-1][1][-48:]))
+            # It is printed within a second.
+            released_s = viewer.status()["simulated_s"] + 1.1
+            viewer.until(lambda: viewer.status()["simulated_s"] > released_s)
             viewer.set("run.stop", False)
             viewer.until(lambda: viewer.status()["commands"] == driven)
             code, printed = job.interrupt()

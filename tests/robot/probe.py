@@ -36,7 +36,7 @@ class Probe:
 
     def take_clock(self, message):
         self.clock.append(message.clock)
-        if (message.clock - self.clock[0]).to_sec() >= self.seconds:
+        if (message.clock - self.clock[0]).to_sec() >= self.seconds and self.scans and self.odometry:
             self.done.set()
 
     def report(self):

@@ -56,6 +56,7 @@ def robot(experiment, folder, variables):
         command.append("--ros=2")
     process = subprocess.Popen(command, env=variables, stdout=subprocess.DEVNULL)
     try:
+        ros.until((folder / "trajectory.csv").exists, "a robot")
         yield folder / "trajectory.csv"
     finally:
         process.send_signal(signal.SIGINT)

@@ -103,7 +103,7 @@ TEST_F(AdapterTest, commands_keep_their_distance) {
     value = value > 0.9 ? 0.1 : value + 0.001;
     robot_.publish_twist("/in", value, 0);
     std::this_thread::sleep_for(std::chrono::milliseconds(4));
-    return robot_.twists().size() > 30;
+    return robot_.twists().size() > 100;
   }));
   const auto twists = robot_.twists();
   const double mean_ms = 1e-6 *
@@ -205,10 +205,11 @@ TEST_F(AdapterTest, messages_without_a_reading_do_not_keep_the_data_young) {
   ASSERT_TRUE(drives());
   stop_publishing();
   const float nan = std::nanf("");
-  EXPECT_TRUE(eventually(10, [&] {
+  EXPECT_TRUE(eventually(60, [&] {
     robot_.publish_scan("/scan", {nan, nan, nan, 0.0f}, 0.5f, 4.5f);
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    return robot_.twists().back().is_zero();
+    return child_->wait_for("brought no reading", std::chrono::milliseconds(20)) &&
+           child_->wait_for("max_age", std::chrono::milliseconds(20)) &&
+           robot_.twists().back().is_zero();
   }));
   finish();
   EXPECT_THAT(child_->output(), HasSubstr("sensor: warning: topic '/scan': a sensor_msgs/LaserScan "
@@ -250,8 +251,8 @@ TEST_F(AdapterTest, all_channels_without_a_mapping_file_and_a_long_scan) {
   child_ = std::make_unique<Child>(command(2, pass_through("message_type=Laserscan", "", 20)));
   ASSERT_TRUE(eventually(60, [&] {
     robot_.publish_scan("/in", std::vector<float>(100, 2.5f), 0.5f, 4.5f);
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    return !robot_.arrays().empty();
+    return child_->wait_for("a sensor_msgs/LaserScan", std::chrono::milliseconds(10)) &&
+           !robot_.arrays().empty();
   }));
   EXPECT_EQ(robot_.arrays().front(), std::vector<double>(20, 0.0));
   finish();

@@ -124,6 +124,7 @@ TEST_F(StopTest, data_too_old) {
   const auto begin = ros_peer::monotonic_now();
   const double ms = time_to_zero(begin, 20);
   EXPECT_LE(ms, 400 + deadline_.since(begin));
+  EXPECT_TRUE(child_->wait_for("max_age", std::chrono::seconds(60))) << child_->output();
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   EXPECT_TRUE(robot_.twists().back().is_zero());
   publish_scans();

@@ -95,14 +95,23 @@ void endless(Job& job) {
   job.node("end", "spike_relay");
 }
 
+constexpr std::size_t kRecorded = 100;
+
+std::size_t recorded(const Job& job) {
+  return record::read_spikes((job.directory.path() / "relay.h5").string(), "out").spikes.size();
+}
+
+/// Until more than `kRecorded` spikes are in the file.
 bool wait_until_running(Child& child, const Job& job) {
-  for (int i = 0; i < 2000; ++i) {
-    if (std::filesystem::exists(job.directory.path() / "relay.h5")) {
-      std::this_thread::sleep_for(300ms);
-      return true;
+  for (int i = 0; i < 1200; ++i) {
+    try {
+      if (recorded(job) > kRecorded) {
+        return true;
+      }
+    } catch (const Error&) {  // not made yet, or caught in the middle of a flush
     }
     child.output();
-    std::this_thread::sleep_for(10ms);
+    std::this_thread::sleep_for(50ms);
   }
   return false;
 }
@@ -130,13 +139,13 @@ TEST(Control, TerminationOfMpirunFlushesFilesAndLeavesNothing) {
   EXPECT_FALSE(outcome.timed_out);
   EXPECT_NE(outcome.exit_code, 0);
   EXPECT_EQ(outcome.left_behind, 0);
-  const auto file = (job.directory.path() / "relay.h5").string();
   // mpirun sends SIGKILL some 10 ms after SIGTERM. What was written before must be there, unless
   // the process was killed while it wrote the file's index (docs/run-folder.md).
   try {
-    EXPECT_GT(record::read_spikes(file, "out").spikes.size(), 100u) << outcome.text();
+    EXPECT_GT(recorded(job), kRecorded) << outcome.text();
   } catch (const FileError& error) {
-    EXPECT_THAT(error.what(), Fault("cannot read '" + file + "': ..."));
+    EXPECT_THAT(error.what(),
+                Fault("cannot read '" + (job.directory.path() / "relay.h5").string() + "': ..."));
   }
 }
 
