@@ -61,8 +61,8 @@ def main():
     for version in "12":
         with tempfile.TemporaryDirectory() as scratch, ros.place(version, pathlib.Path(scratch)):
             scratch = pathlib.Path(scratch)
-            with ros.program(robot, "--ros", version):
-                time.sleep(2)
+            with ros.program(robot, "--ros", version, "--out", scratch / "robot"):
+                ros.until((scratch / "robot/trajectory.csv").exists, "a robot")
                 if version == "1":
                     late_rospy()
                 see(scratch, version, "realtime")

@@ -49,7 +49,7 @@ class Stepped(explorer.Folder):
     def test_one_thread_at_a_time(self):
         experiment = spikeloop.load(self.file, {"sync": "realtime", "duration": "30 s"})
         with experiment.open() as loop:
-            other = threading.Thread(target=loop.step, args=(500,))
+            other = threading.Thread(target=loop.step, args=(2000,))
             other.start()
             while loop.time_s == 0:
                 time.sleep(0.01)
