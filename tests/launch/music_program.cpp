@@ -157,7 +157,7 @@ int main(int argc, char** argv) {
     usleep(10'000);
     heartbeat.enter(Phase::exchanging, runtime.time());
     runtime.tick();
-    if (ticks < 30) {  // later ones are as lost: the report says how far it came
+    if (ticks < 30) {  // as if later ones were dropped: the report says how far it came
       sender.progress(reached());
     }
     if (ticks == 20 && when == "middle") {

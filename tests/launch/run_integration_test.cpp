@@ -408,7 +408,10 @@ TEST(Run, OutputThatIsHeldUpHoldsUpNothing) {
   for (int i = 0; i < 1000 && !std::filesystem::exists(summary); ++i) {
     std::this_thread::sleep_for(50ms);
   }
-  EXPECT_EQ(job.summary()["exit_code"], 130) << "stopped, though nobody could be told";
+  auto ended = job.summary();
+  EXPECT_EQ(ended["exit_code"], 130) << "stopped, though nobody could be told";
+  EXPECT_EQ(ended["processes"]["a"]["reported"], true) << "it was not killed";
+  EXPECT_EQ(ended["processes"]["b"]["reported"], true);
   child.signal(SIGKILL);  // it waits for its last words to be read
   EXPECT_EQ(child.wait().left_behind, 0);
 }

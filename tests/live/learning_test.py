@@ -47,24 +47,12 @@ class Learning(viewing.FolderCase):
         path.write_text(spikeloop("new", "lake", "--environment", "frozen_lake")[0])
         return path
 
-    def watched(self, experiment, topics, *arguments):
-        """What a viewer has received of a run when its server has ended."""
-        with viewing.Run(self.folder / "live", *arguments, experiment=experiment) as job:
-            viewer = viewing.Viewer(job.socket_url())
-            viewer.until(lambda: topics <= set(viewer.messages))  # at real time: the run cannot end before
-            viewer.set("run.speed", 0)
-            viewer.until_closed()
-            code, printed = job.end()
-        self.assertEqual(code, 0, printed)
-        return viewer
-
     def run_both(self, experiment, topics, *arguments):
         """With a viewer and without; the viewer's last weights of each topic."""
-        # The server ends with the run: the last messages can be lost, and then the run is repeated.
-        for _ in range(20):
-            viewer = self.watched(experiment, topics, *arguments)
-            if all(viewer.messages[topic][-1][0] == END_NS for topic in topics):
-                break
+        viewer = viewing.watched(
+            self.folder / "live", topics, 0,
+            lambda viewer: all(viewer.messages[topic][-1][0] == END_NS for topic in topics),
+            *arguments, experiment=experiment)
         run(experiment, self.folder / "alone", *arguments)
         self.assertEqual(fingerprint(self.folder / "live"), fingerprint(self.folder / "alone"))
         channels = viewer.channels.values()

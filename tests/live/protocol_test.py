@@ -18,17 +18,8 @@ def get(url, path, **headers):
 class Protocol(viewing.FolderCase):
     def test_spikes_and_signals_are_those_of_the_recording(self):
         recorded = self.folder / "live"
-        # The server ends with the run: the last messages can be lost, and then the run is repeated.
-        for _ in range(20):
-            with viewing.Run(recorded, "--duration", "30") as job:
-                viewer = viewing.Viewer(job.socket_url())
-                viewer.until(lambda: "/spikeloop/view" in viewer.messages)
-                viewer.set("run.speed", 20)
-                viewer.until_closed()
-                code, printed = job.end()
-            self.assertEqual(code, 0, printed)
-            if viewer.status()["ended"]:
-                break
+        viewer = viewing.watched(recorded, {"/spikeloop/view"}, 20, lambda viewer: viewer.status()["ended"],
+                                 "--duration", "30")
         topics = {channel["topic"]: channel for channel in viewer.channels.values()}
         self.assertEqual(topics["/encoder/out"]["schemaName"], "spikeloop/msg/Spikes")
         self.assertEqual(topics["/scan"]["schemaName"], "sensor_msgs/LaserScan")

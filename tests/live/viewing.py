@@ -137,6 +137,22 @@ class Viewer:
         return json.loads(self.messages["/spikeloop/status"][-1][1])
 
 
+def watched(folder, topics, speed, complete, *arguments, experiment=EXAMPLE):
+    """What a viewer receives of a run, which is at this speed when all of the topics have come. The server ends with
+    the run: the last messages can be lost. Then complete(viewer) is false, and the run is repeated."""
+    for _ in range(20):
+        with Run(folder, *arguments, experiment=experiment) as job:
+            viewer = Viewer(job.socket_url())
+            viewer.until(lambda viewer=viewer: topics <= set(viewer.messages))
+            viewer.set("run.speed", speed)
+            viewer.until_closed()
+            code, printed = job.end()
+        assert code == 0, printed
+        if complete(viewer):
+            break
+    return viewer
+
+
 def spikes_of(messages):
     """Times in ns and channels, by CDR as OMG's "DDS Interoperability Wire Protocol" 2.3, chapter 10, has it."""
     times, channels = [], []
