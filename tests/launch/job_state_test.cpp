@@ -306,13 +306,6 @@ TEST_F(State, MergesTheSummaries) {
   EXPECT_EQ(summary["file"], "job.music");
 }
 
-TEST_F(State, AnErrorOfMusicMayBeCutOff) {
-  line(0, "Error in MUSIC library: ------------------------------");
-  line(1, "Error in MUSIC library: too short latency");
-  line(2, "Error in MUSIC library: -----");
-  EXPECT_EQ(state_.explain({1}).message, "Error in MUSIC library: too short latency");
-}
-
 TEST_F(State, TheFirstFailureIsTheReason) {
   tell("c", "failure", {{"exit_code", 5}, {"message", "tau is 0"}});
   tell("a", "failure", {{"exit_code", 3}, {"message", "peer gone"}});

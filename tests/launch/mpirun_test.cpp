@@ -153,6 +153,18 @@ TEST(TaggedOutput, JoinsWhatMpirunReadInPieces) {
   EXPECT_THAT(lines_of({"ssh: no route\r\n"}), ElementsAre("mpirun err ssh: no route"));
 }
 
+TEST(TaggedOutput, ARuleOfMpirunMayComeInTheMiddleOfALine) {
+  const std::string rule(74, '-');
+  EXPECT_THAT(
+      lines_of({"[1,0]<stderr>:Error in MUSIC library: " + rule + "\nMPI_ABORT was invoked\n" +
+                rule + "\n[1,1]<stderr>:two\n[1,0]<stderr>:too short latency\n"}),
+      ElementsAre("mpirun err " + rule, "mpirun err MPI_ABORT was invoked", "mpirun err " + rule,
+                  "1 err two", "0 err Error in MUSIC library: too short latency"));
+  EXPECT_THAT(lines_of({"[1,0]<stderr>:" + rule + "\n[1,0]<stderr>:=" + rule + "-\n"}),
+              ElementsAre("0 err " + rule, "0 err =" + rule + "-"))
+      << "the program's own";
+}
+
 TEST(TaggedOutput, LeavesBracketsOfProgramsAlone) {
   EXPECT_THAT(lines_of({"[1,0]<stdout>:[ INFO] [1,2] [1,x]<stdout>:\n[vm:1] lost\n"}),
               ElementsAre("0 out [ INFO] [1,2] [1,x]<stdout>:", "mpirun err [vm:1] lost"));

@@ -143,9 +143,7 @@ bool JobState::take_progress(const std::string& label, const json& message) {
 }
 
 void JobState::take(const OutputLine& line) {
-  // Each rank says it, and a rule of Open MPI's may come in the middle of one of them.
-  if ((music_error_.empty() || music_error_.ends_with("---")) &&
-      line.text.find("Error in MUSIC library") != std::string::npos) {
+  if (music_error_.empty() && line.text.find("Error in MUSIC library") != std::string::npos) {
     music_error_ = line.text;
   }
   if (line.rank) {

@@ -69,6 +69,10 @@ std::size_t find_tag(std::string_view text) {
   return std::min(place, text.size());
 }
 
+/// What Open MPI writes above and below its words, maybe in the middle of a program's line.
+constexpr std::string_view kRule =
+    "--------------------------------------------------------------------------";
+
 /// "[HOST:PROCESS] ...": Open MPI speaks from inside a program, mostly of its crash.
 bool is_mpi_speaking(std::string_view text) {
   const auto colon = text.find(':');
@@ -316,7 +320,14 @@ void TaggedOutput::take_line(std::string_view line) {
     }
     source = {tag->rank, tag->error};
   }
-  flush(source);
+  std::string& text = pieces_[source];
+  const std::size_t own = text.size() - std::min(text.size(), kRule.size());
+  if (source.rank >= 0 && own > 0 && text[own - 1] != '-' && text.ends_with(kRule)) {
+    text.resize(own);
+    handler_({std::nullopt, error_, std::string(kRule)});
+  } else {
+    flush(source);
+  }
 }
 
 void TaggedOutput::flush(const Source& source) {
