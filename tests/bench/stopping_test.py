@@ -48,10 +48,12 @@ class Stopping(unittest.TestCase):
                 for line in process.stderr:
                     if "at 5000 Hz" in line:
                         break
-                while not (helpers := children_of(process.pid)):
+                while not children_of(process.pid):
                     self.assertIsNone(process.poll())
                     time.sleep(0.1)
                 time.sleep(1.5)
+                helpers = children_of(process.pid)
+                self.assertTrue(helpers)
                 process.send_signal(number)
                 said, error = process.communicate(timeout=60)
             finally:

@@ -26,7 +26,7 @@ from console import as_seen, commands_of, difference
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "simulators"))
 from nest_found import directory_or_skip  # noqa: E402
 
-LIMIT_S = 500  # for one command; nothing is timed by it
+LIMIT_S = 120  # for one command; nothing is timed by it
 MARK = "SPIKELOOP_EXAMPLE_OF"
 NEEDS_NEST = "<!-- needs NEST -->"
 GENERATED = shutil.ignore_patterns("runs", "out", "build", "__pycache__")
@@ -97,8 +97,8 @@ def run_on_terminal(command, folder, variables):
 
 
 def left_behind(mark):
-    """Those that have not ended 10 s after their command: a guard needs 2."""
-    until = time.monotonic() + 10
+    """Those that have not ended 5 s after their command: a guard needs 2."""
+    until = time.monotonic() + 5
     while processes_of(mark) and time.monotonic() < until:
         time.sleep(0.05)
     return processes_of(mark)

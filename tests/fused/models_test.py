@@ -87,7 +87,7 @@ def in_real_time(scratch):
     path = written(scratch, "real.yaml", over="2", sync="realtime")
     for layout in ("fused", "separate"):
         with ros.domain():
-            summary, _ = runs.run(path, scratch / layout, "--layout", layout, "--duration", "4")
+            summary, _ = runs.run(path, scratch / layout, "--layout", layout)
         assert summary["processes"]["robot"]["counters"]["commands"] > 20, summary
         assert len(runs.last_values(scratch / layout / "spin.h5")) == 3
     assert abs(runs.last_values(scratch / "fused" / "left.h5")[1] - 0.5) < 0.05

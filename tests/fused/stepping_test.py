@@ -122,6 +122,8 @@ def ctrl_c(file, scratch):
         runs.interrupt(process)
         ros.until(lambda: (scratch / "requests").read_text().endswith('{"end":true}\n'), "an end")
         ros.until(lambda: speeds(scratch)[-1] == 0, "a zero command")
+    assert json.loads((scratch / "requests").read_text().splitlines()[-1]) == {"end": True}
+    assert speeds(scratch)[-1] == 0
 
 
 def speeds(scratch):

@@ -55,7 +55,7 @@ grep "^$work/run/signals.png" "$work/plot.log"
 grep -q "$work/prefix/share/spikeloop/python/spikeloop/parts.py" "$work/imports.log"
 # The paper's measurements: chain, probe over ROS, and a simulator's script, all of them installed.
 (cd "$work" && env -u PYTHONPATH "$work/prefix/bin/spikeloop" bench --part a,c --layouts separate \
-  --encoders rate --simulators neuron --duration 1 --trials 1 --most 100 --ticks 10 --steps 2 \
+  --encoders rate --simulators neuron --duration 1 --trials 1 --most 100 --ticks 10 --steps 1 \
   --out "$work/bench") >"$work/bench.log" 2>&1 || {
   cat "$work/bench.log"
   exit 1

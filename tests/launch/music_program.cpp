@@ -116,7 +116,7 @@ void connect(MUSIC::Setup& setup, Ignore& handler) {
 int main(int argc, char** argv) {
   auto* setup = new MUSIC::Setup(argc, argv);
   const std::string behaviour = text(*setup, "behaviour", "good");
-  const std::string when = text(*setup, "when", "middle");  // start, middle or end
+  const std::string when = text(*setup, "when", "middle");  // start, middle, late or end
   const double stoptime = std::stod(text(*setup, "stoptime", "1"));
   if (text(*setup, "silent", "no") == "yes") {
     unsetenv(spikeloop::status::kSocketVariable);
@@ -160,7 +160,7 @@ int main(int argc, char** argv) {
     if (ticks < 30) {  // as if later ones were dropped: the report says how far it came
       sender.progress(reached());
     }
-    if (ticks == 20 && when == "middle") {
+    if ((ticks == 20 && when == "middle") || (ticks == 120 && when == "late")) {
       heartbeat.enter(Phase::computing, runtime.time());
       misbehave(behaviour, sender);
     }

@@ -205,7 +205,7 @@ TEST_F(AdapterTest, messages_without_a_reading_do_not_keep_the_data_young) {
   ASSERT_TRUE(drives());
   stop_publishing();
   const float nan = std::nanf("");
-  EXPECT_TRUE(eventually(60, [&] {
+  EXPECT_TRUE(eventually(10, [&] {
     robot_.publish_scan("/scan", {nan, nan, nan, 0.0f}, 0.5f, 4.5f);
     return child_->wait_for("brought no reading", std::chrono::milliseconds(20)) &&
            child_->wait_for("max_age", std::chrono::milliseconds(20)) &&

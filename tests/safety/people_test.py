@@ -54,7 +54,7 @@ def await_diagnosis(person, level, text):
     """On /diagnostics, where monitors of ROS look."""
     def told():
         return person.diagnosis[0] == level and f"spikeloop: commands on /cmd_vel: {text}" in person.diagnosis[1]
-    ros.until(told, f"a status of level {level}, {text!r}")
+    ros.until(told, f"a status of level {level}, {text!r}", 5)
 
 
 def stop_and_release(person, printed):
@@ -69,7 +69,7 @@ def stop_and_release(person, printed):
     await_diagnosis(person, ERROR, "the robot is stopped: emergency stop on topic '/emergency_stop'")
     assert "stops_emergency_stop 1, " in person.diagnosis[1], person.diagnosis
     ros.until(lambda: "emergency stop on topic '/emergency_stop'" in printed.read_text(),
-              "the line about it, which may wait for a second")
+              "the line about it, which may wait for a second", 5)
     person.drive_by_hand(0)
     time.sleep(0.1)
     assert not person.drives_since(pressed), "driven by hand while the emergency stop is pressed"
@@ -91,7 +91,7 @@ def drive_by_hand(person, printed):
         said = "manual commands on topic '/cmd_vel_manual' drive the robot"
         return said in printed.read_text() and person.diagnosis[0] == WARN and said in person.diagnosis[1]
 
-    ros.until(announced, "the line about it, which may wait for a second, and the diagnosis")
+    ros.until(announced, "the line about it, which may wait for a second, and the diagnosis", 5)
     sent = [0, 1]
     while max(later - at for at, later in zip(sent, sent[1:])) > 0.2:  # on a busy machine it could be too late
         sent = [sent_by_hand(person, 0.3) for _ in range(12)]
@@ -101,7 +101,7 @@ def drive_by_hand(person, printed):
         begin = time.monotonic()
         person.drive_by_hand(speed)
         ros.until(lambda begin=begin, wanted=wanted: wanted in [value for at, value in person.heard if at > begin],
-                  f"a command of {wanted} after {speed}")
+                  f"a command of {wanted} after {speed}", 1)
     ros.until(lambda: person.is_driven() and person.last() not in (0.3, 0.8), "the network", 10)
 
 
@@ -109,7 +109,7 @@ def lose_a_sensor(person, printed):
     begin = time.monotonic()
     person.odometry(False)
     assert person.time_to_zero_ms(begin) < 400 + 2 * time_to_zero.MARGIN_MS
-    ros.until(lambda: "with a reading on topic '/odom' for 400 ms" in printed.read_text(), "the topic's name")
+    ros.until(lambda: "with a reading on topic '/odom' for 400 ms" in printed.read_text(), "the topic's name", 5)
     person.odometry(True)
     ros.until(person.is_driven, "driving when it is back", 10)
 

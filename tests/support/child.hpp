@@ -241,9 +241,9 @@ class Child {
     }
   }
 
-  /// Members that mpirun is just ending are given 10 s; what is left then is counted and killed.
+  /// Members that mpirun is just ending are given 3 s; what is left then is counted and killed.
   void await_family() {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(3);
     auto alive = family();
     // A process that is just becoming another program has no environment, and so no mark: nobody is
     // gone before nobody has been there twice.

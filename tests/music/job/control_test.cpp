@@ -101,19 +101,19 @@ std::size_t recorded(const Job& job) {
   return record::read_spikes((job.directory.path() / "relay.h5").string(), "out").spikes.size();
 }
 
-/// Until more than `kRecorded` spikes are in the file.
-bool wait_until_running(Child& child, const Job& job) {
+/// Until more than `kRecorded` spikes are in the file: how many.
+std::size_t wait_until_running(Child& child, const Job& job) {
   for (int i = 0; i < 1200; ++i) {
     try {
-      if (recorded(job) > kRecorded) {
-        return true;
+      if (const std::size_t spikes = recorded(job); spikes > kRecorded) {
+        return spikes;
       }
     } catch (const Error&) {  // not made yet, or caught in the middle of a flush
     }
     child.output();
     std::this_thread::sleep_for(50ms);
   }
-  return false;
+  return 0;
 }
 
 TEST(Control, UserSignal1ToMpirunEndsCleanly) {
@@ -133,7 +133,9 @@ TEST(Control, TerminationOfMpirunFlushesFilesAndLeavesNothing) {
   Job job;
   endless(job);
   Child child(job.command());
-  ASSERT_TRUE(wait_until_running(child, job)) << child.output();
+  const std::size_t before = wait_until_running(child, job);
+  ASSERT_GT(before, 0u) << child.output();
+  std::this_thread::sleep_for(300ms);  // the next flush by time comes after a second
   child.signal(SIGTERM);
   const auto outcome = child.wait();
   EXPECT_FALSE(outcome.timed_out);
@@ -142,7 +144,7 @@ TEST(Control, TerminationOfMpirunFlushesFilesAndLeavesNothing) {
   // mpirun sends SIGKILL some 10 ms after SIGTERM. What was written before must be there, unless
   // the process was killed while it wrote the file's index (docs/run-folder.md).
   try {
-    EXPECT_GT(recorded(job), kRecorded) << outcome.text();
+    EXPECT_GT(recorded(job), before + 100) << outcome.text();
   } catch (const FileError& error) {
     EXPECT_THAT(error.what(),
                 Fault("cannot read '" + (job.directory.path() / "relay.h5").string() + "': ..."));
