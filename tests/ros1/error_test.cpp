@@ -39,6 +39,17 @@ TEST_F(ErrorTest, no_master) {
   EXPECT_FALSE(outcome.timed_out);
 }
 
+// The wrong port in ROS_MASTER_URI: a node answers, but it is no master.
+TEST_F(ErrorTest, a_node_is_no_master) {
+  uri_ = robot_.node_uri();
+  const auto outcome = outcome_of(sensor_, command_);
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
+  EXPECT_THAT(outcome.text(), Fault("... " + uri_ +
+                                    " refuses ... '/in' ... no ROS master; set "
+                                    "ROS_MASTER_URI ... [SL0701] ..."));
+  EXPECT_FALSE(outcome.timed_out);
+}
+
 TEST_F(ErrorTest, missing_and_wrong_keys) {
   EXPECT_THAT(outcome_of("message_type=Twist", command_).text(),
               HasSubstr("key 'ros_topic' is missing; write for example  ros_topic=/scan"));

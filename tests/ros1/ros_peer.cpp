@@ -4,6 +4,7 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
+#include <ros/xmlrpc_manager.h>
 #include <sensor_msgs/LaserScan.h>
 #include <std_msgs/Float64MultiArray.h>
 
@@ -182,6 +183,10 @@ std::vector<std::string> Peer::nodes() const {
   std::vector<std::string> names;
   ros::master::getNodes(names);
   return names;
+}
+
+std::string Peer::node_uri() const {
+  return ros::XMLRPCManager::instance()->getServerURI();
 }
 
 }  // namespace ros_peer

@@ -50,6 +50,8 @@ class Peer {
   int publishers(const std::string& topic) const;
   /// Full names of the nodes that the master knows.
   std::vector<std::string> nodes() const;
+  /// Where this node, which is no master, answers calls.
+  std::string node_uri() const;
 
  private:
   struct Impl;

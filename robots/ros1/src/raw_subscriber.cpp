@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "raw_message.hpp"
+#include "spikeloop/core/code.hpp"
+#include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/topics/names.hpp"
 
@@ -82,6 +84,13 @@ RawSubscriber::RawSubscriber(ros::NodeHandle& node, topics::Subscription subscri
   options.md5sum = wanted.refuse ? "*" : receiver_->md5();
   options.transport_hints = ros::TransportHints().tcpNoDelay();
   subscriber_ = node.subscribe(options);
+  if (!subscriber_ && ros::ok()) {
+    throw TransportError(
+        with_code(Code::no_ros_master,
+                  "what answers at {} refuses a subscriber of topic '{}': it is no ROS master; set "
+                  "ROS_MASTER_URI to where roscore is",
+                  ros::master::getURI(), wanted.topic));
+  }
 }
 
 RawSubscriber::~RawSubscriber() {
