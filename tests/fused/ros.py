@@ -5,17 +5,14 @@ import fcntl
 import os
 import pathlib
 import signal
-import socket
 import subprocess
+import sys
 import tempfile
 import time
 import xmlrpc.client
 
-
-def _free_port():
-    with socket.socket() as free:
-        free.bind(("", 0))
-        return free.getsockname()[1]
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "python"))
+from spikeloop.bench.latency import reserved_port  # noqa: E402
 
 
 def _answers(uri):
@@ -31,27 +28,25 @@ def master(scratch, *program):
     program = program or ("rosmaster", "--core")
     before = dict(os.environ)
     os.environ.update(ROS_HOSTNAME="localhost", ROS_LOG_DIR=str(scratch / "ros"))
-    for _ in range(5):  # somebody else may take the port
-        port = str(_free_port())
+    with reserved_port() as reserved:
+        port = str(reserved.getsockname()[1])
         os.environ["ROS_MASTER_URI"] = uri = f"http://localhost:{port}"
         core = subprocess.Popen([*program, "-p", port], stdout=subprocess.DEVNULL,
                                 stderr=subprocess.DEVNULL)
         while core.poll() is None and not _answers(uri):
             time.sleep(0.1)
-        if core.poll() is None:
-            break
-    assert core.poll() is None, f"{program[0]} does not start"
-    try:
-        yield uri
-    finally:
-        core.send_signal(signal.SIGINT)
+        assert core.poll() is None, f"{program[0]} does not start"
         try:
-            core.wait(30)
-        except subprocess.TimeoutExpired:  # it still calls nodes that were killed
-            core.kill()
-            core.wait()
-        os.environ.clear()
-        os.environ.update(before)
+            yield uri
+        finally:
+            core.send_signal(signal.SIGINT)
+            try:
+                core.wait(30)
+            except subprocess.TimeoutExpired:  # it still calls nodes that were killed
+                core.kill()
+                core.wait()
+            os.environ.clear()
+            os.environ.update(before)
 
 
 @contextlib.contextmanager

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "spikeloop/launch/ros_master.hpp"
+#include "spikeloop/processes/reserved_port.hpp"
 #include "tests/launch/launcher.hpp"
 #include "tests/support/fault.hpp"
 
@@ -19,7 +19,8 @@ Outcome run_with(const TwoPrograms& job, const std::string& program, const std::
   Command command = job.command(more);
   command.environment["PATH"] = job.directory().path().string() + ":" + getenv("PATH");
   command.environment["REAL_PATH"] = getenv("PATH");
-  command.environment["ROS_MASTER_URI"] = "http://127.0.0.1:" + std::to_string(launch::free_port());
+  const ReservedPort nobody;
+  command.environment["ROS_MASTER_URI"] = "http://127.0.0.1:" + nobody.text();
   return run(command);
 }
 
@@ -47,21 +48,6 @@ TEST(OwnRosMaster, ThatEndsAtOnceIsTheReason) {
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_EQ(last_line(outcome.err),
             "spikeloop: rosmaster ended before it answered; it says: no port [SL0701]");
-}
-
-// A real rosmaster prints this and stays.
-TEST(OwnRosMaster, WhosePortIsTakenIsStartedOnAnotherOne) {
-  const TwoPrograms job;
-  const Outcome outcome = run_with(job, "rosmaster",
-                                   "if mkdir tried 2> /dev/null; then\n"
-                                   "  echo 'OSError: [Errno 98] Address already in use' >&2\n"
-                                   "  sleep 1000\n"
-                                   "fi\n"
-                                   "PATH=$REAL_PATH exec rosmaster \"$@\"",
-                                   {"--roscore"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
-  EXPECT_THAT(outcome.err, HasSubstr("spikeloop: ROS master at http"));
-  EXPECT_EQ(outcome.left_behind, 0);
 }
 
 // Its last line is where its traceback is.

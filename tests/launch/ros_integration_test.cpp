@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "spikeloop/launch/ros_master.hpp"
+#include "spikeloop/processes/reserved_port.hpp"
 #include "tests/launch/launcher.hpp"
 #include "tests/support/fault.hpp"
 
@@ -15,7 +16,8 @@ namespace {
 using namespace std::chrono_literals;
 
 std::string closed_uri() {
-  return "http://127.0.0.1:" + std::to_string(launch::free_port());
+  static const ReservedPort port;
+  return "http://127.0.0.1:" + port.text();
 }
 
 TEST(RosMasterOfAJob, IsMissed) {

@@ -115,8 +115,10 @@ TEST(RosMaster, IsAskedAgainWhenAConnectionIsLost) {
 }
 
 TEST(RosMaster, NobodyListens) {
-  EXPECT_FALSE(RosMaster("http://127.0.0.1:" + std::to_string(free_port())).answers());
-  EXPECT_FALSE(RosMaster("http://127.0.0.1:" + std::to_string(free_port())).publishes("/scan"));
+  const ReservedPort port;
+  const RosMaster nobody("http://127.0.0.1:" + port.text());
+  EXPECT_FALSE(nobody.answers());
+  EXPECT_FALSE(nobody.publishes("/scan"));
 }
 
 TEST(RosMaster, SaysThatItsHostHasNoAddress) {

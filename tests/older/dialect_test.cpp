@@ -15,6 +15,7 @@ namespace {
 /// nothing: it encodes its start value.
 std::string silent_job(const std::string& globals, const std::string& encoder,
                        const std::string& seconds = "2") {
+  static const ReservedPort nobody;
   return fmt::format(
       "sync=unpaced\nmusic_timestep=0.01\n{}\n"
       "[input]\n  binary=zmq_cont_adapter\n  np=1\n  message_type=FloatArray\n"
@@ -22,7 +23,7 @@ std::string silent_job(const std::string& globals, const std::string& encoder,
       "[encoder]\n  binary={}\n  np=1\n"
       "[nest]\n  binary=./script.py\n  args=-s 0.01 -t {}\n  np=1\n"
       "input.out->encoder.in[1]\nencoder.out->nest.in[1]\n",
-      globals, free_port(), encoder, seconds);
+      globals, nobody.number(), encoder, seconds);
 }
 
 long spikes_in(const Outcome& outcome) {
@@ -68,6 +69,8 @@ TEST_F(DialectOfAJob, OfMusicAdaptersEndsAfterASecond) {
 }
 
 TEST_F(DialectOfAJob, CannotBeChosenForAJobOfBothFamilies) {
+  const ReservedPort in;
+  const ReservedPort out;
   const std::string text = fmt::format(
       "stoptime=1\ndialect=auto\n"
       "[input]\n  binary=zmq_cont_adapter\n  np=1\n  message_type=FloatArray\n"
@@ -75,7 +78,7 @@ TEST_F(DialectOfAJob, CannotBeChosenForAJobOfBothFamilies) {
       "[halves]\n  binary=connect_adapter\n  np=1\n  weights=uniform\n"
       "[output]\n  binary=cont_zmq_adapter\n  np=1\n  message_type=FloatArray\n"
       "  zmq_addr=tcp://*:{}\ninput.out->halves.in[1]\nhalves.out->output.in[1]\n",
-      free_port(), free_port());
+      in.number(), out.number());
   const Outcome outcome = run(job_.command(text));
   EXPECT_EQ(outcome.exit_code, 2) << outcome.text();
   EXPECT_EQ(outcome.left_behind, 0);

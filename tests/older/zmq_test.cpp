@@ -51,8 +51,10 @@ class OlderZmqExample : public testing::Test {
   void SetUp() override { std::filesystem::create_directories(job_.directory.path() / "build"); }
 
   OlderJob job_{"test"};
-  int in_port_ = free_port();
-  int out_port_ = free_port();
+  ReservedPort in_;
+  ReservedPort out_;
+  int in_port_ = in_.number();
+  int out_port_ = out_.number();
 };
 
 const char* const kPlaces =

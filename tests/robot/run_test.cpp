@@ -137,7 +137,8 @@ void expect_failure(const RobotJob& job, std::vector<std::string> arguments, int
 
 TEST(RobotErrors, NoMaster) {
   RobotJob job;
-  const std::string uri = "http://127.0.0.1:" + std::to_string(test::free_port());
+  const ReservedPort port;
+  const std::string uri = "http://127.0.0.1:" + port.text();
   job.set_master(uri);
   status::Receiver receiver(job.status_socket());
   const auto outcome = job.run(job.robot({"--master-timeout", "0.3"}));

@@ -30,7 +30,8 @@ class ErrorTest : public RobotJob {
 };
 
 TEST_F(ErrorTest, no_master) {
-  uri_ = "http://localhost:" + std::to_string(free_port());
+  const spikeloop::ReservedPort port;
+  uri_ = "http://localhost:" + port.text();
   const auto outcome = outcome_of(sensor_, command_, "master_timeout=0.5");
   EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
   EXPECT_THAT(outcome.text(),

@@ -72,7 +72,8 @@ class GuardErrorTest : public testing::Test {
 
 TEST_F(GuardErrorTest, no_master) {
   const auto child = started();
-  const std::string uri = "http://localhost:" + std::to_string(free_port());
+  const spikeloop::ReservedPort port;
+  const std::string uri = "http://localhost:" + port.text();
   const guard::Link link(hello(uri));
   EXPECT_THAT(
       said_,

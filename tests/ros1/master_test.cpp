@@ -51,7 +51,8 @@ TEST(Master, uri_comes_from_the_arguments_or_the_environment) {
 }
 
 TEST(Master, nobody_there) {
-  const std::string uri = "http://localhost:" + std::to_string(test::free_port());
+  const ReservedPort port;
+  const std::string uri = "http://localhost:" + port.text();
   const TimeNs begin = wall_now();
   EXPECT_EQ(error_of<Error>([&] { require_master(uri, 300 * kMs); }),
             "no ROS master answers at " + uri +
@@ -96,7 +97,8 @@ TEST(Master, lost_connection) {
 
 TEST(Master, waiting_can_be_cancelled) {
   const test::SilentHost silent;
-  const std::string closed = "http://localhost:" + std::to_string(test::free_port());
+  const ReservedPort port;
+  const std::string closed = "http://localhost:" + port.text();
   for (const std::string& uri : {silent.uri(), closed}) {
     std::atomic<bool> cancelled = false;
     std::thread user([&] {

@@ -13,25 +13,10 @@
 #include <string>
 #include <thread>
 
+#include "spikeloop/processes/reserved_port.hpp"
 #include "tests/support/child.hpp"
 
 namespace spikeloop::test {
-
-/// A TCP port of this machine that nobody listened on a moment ago.
-inline int free_port() {
-  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  const bool good = ::bind(socket, reinterpret_cast<sockaddr*>(&address), size) == 0 &&
-                    ::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0;
-  ::close(socket);
-  if (!good) {
-    throw std::runtime_error("no free port");
-  }
-  return ntohs(address.sin_port);
-}
 
 /// Lets everybody connect and answers nobody.
 class SilentHost {
@@ -71,23 +56,18 @@ class SilentHost {
 class RosCore {
  public:
   RosCore() {
-    for (int attempt = 0; attempt < 5; ++attempt) {
-      port_ = free_port();
-      Command command;
-      command.arguments = {"rosmaster", "--core", "-p", std::to_string(port_)};
-      command.timeout = std::chrono::minutes(10);
-      command.environment = {
-          {"ROS_MASTER_URI", uri()}, {"ROS_HOSTNAME", "localhost"}, {"PYTHONUNBUFFERED", "1"}};
-      child_ = std::make_unique<Child>(command);
-      // It may be somebody else's that answers there: then ours ends at once, and says so.
-      if (answers() && !child_->wait_for("already in use", std::chrono::milliseconds(100))) {
-        return;
-      }
+    Command command;
+    command.arguments = {"rosmaster", "--core", "-p", port_.text()};
+    command.timeout = std::chrono::minutes(10);
+    command.environment = {
+        {"ROS_MASTER_URI", uri()}, {"ROS_HOSTNAME", "localhost"}, {"PYTHONUNBUFFERED", "1"}};
+    child_ = std::make_unique<Child>(command);
+    if (!answers()) {
+      throw std::runtime_error("rosmaster does not answer:\n" + child_->output());
     }
-    throw std::runtime_error("rosmaster does not answer:\n" + child_->output());
   }
 
-  std::string uri() const { return "http://localhost:" + std::to_string(port_); }
+  std::string uri() const { return "http://localhost:" + port_.text(); }
   void signal(int number) const { child_->signal(number); }
 
  private:
@@ -96,7 +76,7 @@ class RosCore {
       const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
       sockaddr_in address{};
       address.sin_family = AF_INET;
-      address.sin_port = htons(static_cast<std::uint16_t>(port_));
+      address.sin_port = htons(static_cast<std::uint16_t>(port_.number()));
       address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
       const bool good =
           ::connect(socket, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
@@ -104,15 +84,12 @@ class RosCore {
       if (good) {
         return true;
       }
-      if (child_->output().find("already in use") != std::string::npos) {
-        return false;  // somebody was faster
-      }
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
     return false;
   }
 
-  int port_ = 0;
+  ReservedPort port_;
   std::unique_ptr<Child> child_;
 };
 

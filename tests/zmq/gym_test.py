@@ -11,13 +11,15 @@ import math
 import os
 import pathlib
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
 import time
 
 import zmq
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "python"))
+from spikeloop.bench.latency import reserved_port  # noqa: E402
 
 STEP_S = 0.02
 GAIN_HZ = 2.0
@@ -76,16 +78,6 @@ reward.out -> echo.in [1]
 """
 
 
-def free_ports(count):
-    probes = [socket.socket() for _ in range(count)]
-    for probe in probes:
-        probe.bind(("127.0.0.1", 0))
-    ports = [probe.getsockname()[1] for probe in probes]
-    for probe in probes:
-        probe.close()
-    return ports
-
-
 class Environment:
     """x' = command, observed in [-2, 2]."""
 
@@ -134,7 +126,8 @@ class Environment:
 
 def run(programs, folder):
     names = ("observation", "reward", "command", "echo")
-    ports = dict(zip(names, free_ports(len(names))))
+    reserved = [reserved_port() for _ in names]
+    ports = {name: port.getsockname()[1] for name, port in zip(names, reserved)}
     (folder / "scale.json").write_text("[[-0.004]]")
     (folder / "job.music").write_text(JOB.format(programs=programs, **ports))
     environment = Environment(ports)
@@ -159,6 +152,8 @@ def run(programs, folder):
     finally:
         job.send_signal(signal.SIGINT)
         output = job.communicate(timeout=30)[0]
+        for port in reserved:
+            port.close()
     print(f"x halved after {halved} s (theory without delay {math.log(2) / GAIN_HZ:.2f} s), "
           f"at the end {environment.x:.4f}; {environment.commands} commands")
     assert halved is not None and 0.2 < halved < 1.0, output

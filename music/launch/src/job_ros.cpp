@@ -20,8 +20,6 @@ namespace {
 /// The exit code of a TransportError.
 constexpr Milliseconds kRosStart{30'000};
 constexpr Milliseconds kHelperGrace{3'000};
-/// Somebody else may take a port between our look and rosmaster's.
-constexpr int kPortsTried = 3;
 
 std::string last_line(const Process& process) {
   return process.error_tail().empty() ? "" : "; its last line: " + process.error_tail();
@@ -173,47 +171,29 @@ bool JobRun::find_master() {
 bool JobRun::start_rosmaster() {
   // All programs run on this machine, whose name need not be known to any name server.
   ros_environment_["ROS_HOSTNAME"] = "localhost";
-  for (int attempt = 0; attempt < kPortsTried; ++attempt) {
-    const std::string port = std::to_string(free_port());
-    const RosMaster master("http://localhost:" + port);
-    ros_environment_["ROS_MASTER_URI"] = master.uri();
-    ProgramStart start;
-    start.arguments = {"rosmaster", "--core", "-p", port};
-    rosmaster_ = &group_.start(with_environment(start), [this](const OutputLine& line) {
-      log_ << "rosmaster: " << line.text << std::endl;
-    });
-    // Another program may have taken the port meanwhile; then rosmaster says so, and hangs.
-    const auto port_is_taken = [this] {
-      return rosmaster_->error_tail().find("Address already in use") != std::string::npos;
-    };
-    group_.turn_until(
-        [&] {
-          return outcome_.has_value() || rosmaster_->gone() || port_is_taken() || master.answers();
-        },
-        kRosStart);
-    if (outcome_) {
-      return false;
-    }
-    if (port_is_taken()) {
-      rosmaster_->tree().kill();
-      continue;
-    }
-    if (!rosmaster_->gone() && master.answers()) {
-      log::info("ROS master at {}", master.uri());
-      return true;
-    }
-    if (!rosmaster_->gone()) {
-      throw TransportError(
-          with_code(Code::no_ros_master, "rosmaster has not begun to answer within {} s{}",
-                    kRosStart.count() / 1000, rosmaster_trouble(*rosmaster_, master)));
-    }
-    if (!master.unresolved().empty()) {
-      break;  // another port would not help
-    }
+  const std::string port = rosmaster_port_.emplace().text();
+  const RosMaster master("http://localhost:" + port);
+  ros_environment_["ROS_MASTER_URI"] = master.uri();
+  ProgramStart start;
+  start.arguments = {"rosmaster", "--core", "-p", port};
+  rosmaster_ = &group_.start(with_environment(start), [this](const OutputLine& line) {
+    log_ << "rosmaster: " << line.text << std::endl;
+  });
+  group_.turn_until([&] { return outcome_.has_value() || rosmaster_->gone() || master.answers(); },
+                    kRosStart);
+  if (outcome_) {
+    return false;
   }
-  throw TransportError(
-      with_code(Code::no_ros_master, "rosmaster ended before it answered{}",
-                rosmaster_trouble(*rosmaster_, RosMaster(ros_environment_["ROS_MASTER_URI"]))));
+  if (!rosmaster_->gone() && master.answers()) {
+    log::info("ROS master at {}", master.uri());
+    return true;
+  }
+  throw TransportError(with_code(
+      Code::no_ros_master, "{}{}",
+      rosmaster_->gone()
+          ? "rosmaster ended before it answered"
+          : fmt::format("rosmaster has not begun to answer within {} s", kRosStart.count() / 1000),
+      rosmaster_trouble(*rosmaster_, master)));
 }
 
 /// Says so when a master still knows a robot that has gone.

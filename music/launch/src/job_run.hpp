@@ -9,9 +9,10 @@
 
 #include "job_state.hpp"
 #include "process_group.hpp"
-#include "spikeloop/processes/scratch_folder.hpp"
 #include "spikeloop/launch/folders.hpp"
 #include "spikeloop/launch/job.hpp"
+#include "spikeloop/processes/reserved_port.hpp"
+#include "spikeloop/processes/scratch_folder.hpp"
 #include "start_watch.hpp"
 
 namespace spikeloop::launch {
@@ -88,6 +89,7 @@ class JobRun {
   status::Receiver receiver_;
   ProcessGroup group_;
   std::map<std::string, std::string> ros_environment_;
+  std::optional<ReservedPort> rosmaster_port_;
   Process* rosmaster_ = nullptr;
   Process* robot_ = nullptr;
   Process* mpirun_ = nullptr;

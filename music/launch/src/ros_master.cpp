@@ -246,18 +246,4 @@ bool RosMaster::is_alive(const std::string& node) const {
   }
 }
 
-std::uint16_t free_port() {
-  const Descriptor fd{socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_ANY);
-  socklen_t size = sizeof address;
-  auto* generic = reinterpret_cast<sockaddr*>(&address);
-  if (bind(fd.get(), generic, size) != 0 || getsockname(fd.get(), generic, &size) != 0) {
-    throw TransportError(
-        with_code(Code::no_ros_master, "cannot find a free port (error {})", errno));
-  }
-  return ntohs(address.sin_port);
-}
-
 }  // namespace spikeloop::launch

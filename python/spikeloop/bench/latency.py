@@ -51,10 +51,13 @@ def lacks():
         "there is no rosmaster; apt-get install python3-rosmaster"
 
 
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+def reserved_port():
+    """A socket at a free TCP port, which the kernel gives to no other program until it is closed. Programs
+    that set SO_REUSEADDR, as rosmaster and ZeroMQ do, can listen there. spikeloop::ReservedPort in Python."""
+    reserved = socket.socket()
+    reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    reserved.bind(("", 0))
+    return reserved
 
 
 class Domain:
@@ -77,7 +80,8 @@ class RosMaster:
     version = 1
 
     def __enter__(self):
-        port = free_port()
+        self.reserved = reserved_port()
+        port = self.reserved.getsockname()[1]
         self.environment = dict(os.environ, ROS_MASTER_URI=f"http://127.0.0.1:{port}",
                                 ROS_IP="127.0.0.1")
         self.process = subprocess.Popen(["rosmaster", "--core", "-p", str(port)], env=self.environment,
@@ -99,6 +103,7 @@ class RosMaster:
     def __exit__(self, *_):
         os.killpg(self.process.pid, signal.SIGINT)
         self.process.wait(10)
+        self.reserved.close()
 
 
 def write_experiment(folder, layout, ros, tick_ms, network):

@@ -49,7 +49,4 @@ class RosMaster {
   MasterAddress address_;
 };
 
-/// A port of this machine that nobody listens on at the moment.
-std::uint16_t free_port();
-
 }  // namespace spikeloop::launch
