@@ -13,6 +13,7 @@
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
+#include "spikeloop/core/priority.hpp"
 
 namespace spikeloop::launch {
 namespace {
@@ -51,6 +52,7 @@ Connection connect_pair() {
     guard::send_packet(connection, packet);
     _exit(0);
   }
+  run_before_others();  // also while it is loaded: a busy machine must not delay it
   const int nowhere = open("/dev/null", O_RDWR);
   dup2(nowhere, 0);
   dup2(nowhere, 1);
