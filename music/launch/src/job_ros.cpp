@@ -17,7 +17,6 @@
 namespace spikeloop::launch {
 namespace {
 
-/// The exit code of a TransportError.
 constexpr Milliseconds kRosStart{30'000};
 constexpr Milliseconds kHelperGrace{3'000};
 
@@ -179,12 +178,12 @@ bool JobRun::start_rosmaster() {
   rosmaster_ = &group_.start(with_environment(start), [this](const OutputLine& line) {
     log_ << "rosmaster: " << line.text << std::endl;
   });
-  group_.turn_until([&] { return outcome_.has_value() || rosmaster_->gone() || master.answers(); },
-                    kRosStart);
+  const bool in_time = group_.turn_until(
+      [&] { return outcome_.has_value() || rosmaster_->gone() || master.answers(); }, kRosStart);
   if (outcome_) {
     return false;
   }
-  if (!rosmaster_->gone() && master.answers()) {
+  if (in_time && !rosmaster_->gone()) {
     log::info("ROS master at {}", master.uri());
     return true;
   }
