@@ -6,7 +6,6 @@ help:  ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
 
 build:  ## build one preset: make build PRESET=release|dev|asan|tsan
-	@scripts/install-dependencies test
 	@scripts/build $(PRESET)
 
 demo:  ## the Braitenberg vehicle in closed loop
