@@ -90,6 +90,7 @@ class Environment:
         self.command = self.subscribe(context, ports["command"])
         self.echo = self.subscribe(context, ports["echo"])
         self.x, self.speed, self.commands = START, 0.0, 0
+        self.last_echo = None
 
     @staticmethod
     def subscribe(context, port):
@@ -119,6 +120,9 @@ class Environment:
             assert abs(time.time() - message[0]["ts"]) < 10, message
             self.speed = message[0]["value"]
             self.commands += 1
+        # ZeroMQ subscribes again after a lost connection only when the socket is read.
+        echo = self.newest(self.echo)
+        self.last_echo = self.last_echo if echo is None else echo
         self.x += STEP_S * self.speed
         self.publish()
         time.sleep(STEP_S)
@@ -148,7 +152,7 @@ def run(programs, folder):
             environment.step()
             if halved is None and environment.x < START / 2:
                 halved = time.monotonic() - began
-        echo = environment.newest(environment.echo)
+        echo = environment.last_echo
     finally:
         job.send_signal(signal.SIGINT)
         output = job.communicate(timeout=30)[0]
