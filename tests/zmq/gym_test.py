@@ -90,7 +90,6 @@ class Environment:
         self.command = self.subscribe(context, ports["command"])
         self.echo = self.subscribe(context, ports["echo"])
         self.x, self.speed, self.commands = START, 0.0, 0
-        self.last_echo = None
 
     @staticmethod
     def subscribe(context, port):
@@ -120,9 +119,6 @@ class Environment:
             assert abs(time.time() - message[0]["ts"]) < 10, message
             self.speed = message[0]["value"]
             self.commands += 1
-        # ZeroMQ subscribes again after a lost connection only when the socket is read.
-        echo = self.newest(self.echo)
-        self.last_echo = self.last_echo if echo is None else echo
         self.x += STEP_S * self.speed
         self.publish()
         time.sleep(STEP_S)
@@ -152,7 +148,7 @@ def run(programs, folder):
             environment.step()
             if halved is None and environment.x < START / 2:
                 halved = time.monotonic() - began
-        echo = environment.last_echo
+        echo = environment.newest(environment.echo)
     finally:
         job.send_signal(signal.SIGINT)
         output = job.communicate(timeout=30)[0]
