@@ -209,6 +209,29 @@ TEST(EffectiveFile, OneProcessWaitsForTheClock) {
   EXPECT_EQ(value(effective(two), "camera", "clock_master"), "false");
 }
 
+// MUSIC lets neither part wait for the other one.
+TEST(EffectiveFile, OneProcessOfEachUnconnectedPartWaitsForTheClock) {
+  const auto joined = [](const std::string& keys) {
+    return std::string(kLoop) + "[camera]\nnp=1\nbinary=ros_sensor_adapter\n" + keys +
+           "[microphone]\nnp=1\nbinary=ros_sensor_adapter\n"
+           "[viewer]\nnp=1\nbinary=contsink\n"
+           "[first]\nnp=1\nbinary=rate_encoder\n[second]\nnp=1\nbinary=linear_readout_decoder\n"
+           "camera.out -> viewer.light\nmicrophone.out -> viewer.sound\n"
+           "first.out -> second.in\n";
+  };
+  const auto masters = [&joined](const std::string& keys) {
+    const MusicFile file = effective(joined(keys));
+    std::vector<std::string> found;
+    for (const char* label : {"sensor", "camera", "microphone", "first", "second"}) {
+      found.push_back(value(file, label, "clock_master"));
+    }
+    return found;
+  };
+  EXPECT_THAT(masters(""), ElementsAre("true", "true", "false", "true", "-"));
+  EXPECT_THAT(masters("clock_master=false\n"), ElementsAre("true", "false", "true", "true", "-"));
+  EXPECT_THAT(masters("clock_master=true\n"), ElementsAre("true", "true", "false", "true", "-"));
+}
+
 TEST(EffectiveFile, WhoIsWrittenToWaitWaits) {
   const std::string encoder = with("encoder", "clock_master=true");
   EXPECT_EQ(value(effective(encoder), "sensor", "clock_master"), "false");

@@ -146,6 +146,8 @@ def run(programs, folder):
         began, halved = time.monotonic(), None
         while time.monotonic() < began + 4:
             environment.step()
+            if time.monotonic() < began + 2:
+                environment.newest(environment.echo)  # more must come afterwards
             if halved is None and environment.x < START / 2:
                 halved = time.monotonic() - began
         echo = environment.newest(environment.echo)

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "cycles.hpp"
 #include "spikeloop/config/dialect.hpp"
@@ -242,20 +243,48 @@ std::vector<std::string> furthest_upstream_first(const MusicFile& file) {
   return labels;
 }
 
-void choose_clock_master(MusicFile& file) {
+/// By label: the same number for sections that are connected, directly or through others.
+std::map<std::string, std::size_t> parts_of(const MusicFile& file) {
+  std::map<std::string, std::size_t> parts;
+  for (const std::string& label : file.labels()) {
+    parts.emplace(label, parts.size());
+  }
+  for (const MusicConnection& connection : file.connections) {
+    const std::size_t from = parts.at(connection.from_app);
+    const std::size_t to = parts.at(connection.to_app);
+    for (auto& [label, part] : parts) {
+      part = part == from ? to : part;
+    }
+  }
+  return parts;
+}
+
+/// One in each part: MUSIC lets a process wait only for those with which it is connected.
+void choose_clock_masters(MusicFile& file) {
   const auto written = [&file](const std::string& label) {
     return file.find_key(file.section(label), "clock_master");
   };
-  bool chosen = false;
+  const auto parts = parts_of(file);
+  std::set<std::size_t> done;  // parts
   for (const std::string& label : file.labels()) {
     const MusicKey* key = find_program(file, label) == nullptr ? nullptr : written(label);
-    chosen = chosen || (key != nullptr && key->value == "true");
+    if (key != nullptr && key->value == "true") {
+      done.insert(parts.at(label));
+    }
   }
   const auto candidates = sources(file);
-  for (const std::string& label : candidates.empty() ? furthest_upstream_first(file) : candidates) {
-    if (written(label) == nullptr && (!chosen || !candidates.empty())) {
-      set_key(file.section(label).keys, "clock_master", chosen ? "false" : "true");
-      chosen = true;
+  for (const std::string& label : candidates) {
+    if (written(label) == nullptr) {
+      const bool first = done.insert(parts.at(label)).second;
+      set_key(file.section(label).keys, "clock_master", first ? "true" : "false");
+    }
+  }
+  for (const std::string& label : candidates) {
+    done.insert(parts.at(label));  // those of which the user wants none to wait
+  }
+  for (const std::string& label : furthest_upstream_first(file)) {
+    if (written(label) == nullptr && done.insert(parts.at(label)).second) {
+      set_key(file.section(label).keys, "clock_master", "true");
     }
   }
 }
@@ -355,7 +384,7 @@ EffectiveFile make_effective(MusicFile file, const RunOptions& options) {
   if (options.data_stamp) {
     add_data_stamp_connections(file);
   }
-  choose_clock_master(file);
+  choose_clock_masters(file);
   set_stamp_guards(file);
   const Latencies latencies = choose_latencies(file);
   set_latencies(file, latencies);

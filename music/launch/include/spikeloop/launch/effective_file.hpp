@@ -36,8 +36,8 @@ struct EffectiveFile {
 ///   `pipeline_ticks` for the latter: the ticks by which data_stamp is delayed to arrive with the
 ///   data; `watchdog` for it where ticks are so long that the pauses between MUSIC's batches would
 ///   stop the robot;
-/// - `clock_master`: exactly one process waits for the clock: the first ros_sensor_adapter, or else
-///   our program that lies furthest upstream;
+/// - `clock_master`: of sections that are connected with each other exactly one waits for the clock:
+///   the first source, as ros_sensor_adapter, or else our program that lies furthest upstream;
 /// - `stoptime=1` in our sections of dialect ma that have none;
 /// - `stamp_guard=false` where all receivers of a sender's spikes are ours;
 /// - `accept_latency`: 0, but in a cycle so much that MUSIC's rule holds, that the acceptable
