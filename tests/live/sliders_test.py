@@ -23,6 +23,9 @@ class Sliders(viewing.FolderCase):
             times = file["spikes/out/timestamps_ns"][()]
         return int(numpy.count_nonzero((times > begin) & (times <= end))) / 100 / ((end - begin) / 1e9)
 
+    def changeable(self, viewer):
+        return {each["name"]: each for each in viewer.status()["changeable"]}
+
     def test_a_slider_changes_a_rate_and_the_replay_has_the_same_spikes(self):
         run = self.folder / "run"
         with viewing.Run(run, "--duration", "36000") as job, browser.page(job.url) as page:
@@ -53,8 +56,7 @@ class Sliders(viewing.FolderCase):
         with viewing.Run(first, "--duration", "20") as job:
             viewer = viewing.Viewer(job.socket_url(), STATUS)
             viewer.until(lambda: STATUS in viewer.messages)
-            changeable = {each["name"]: each for each in viewer.status()["changeable"]}
-            self.assertEqual(changeable["encoder.rate_max"],
+            self.assertEqual(self.changeable(viewer)["encoder.rate_max"],
                              {"name": "encoder.rate_max", "minimum": 0, "maximum": 800, "unit": "Hz"})
             viewer.set("encoder.rate_max", 20)
             viewer.set("encoder.rate_min", -1)
@@ -86,7 +88,8 @@ class Sliders(viewing.FolderCase):
         with viewing.Run(run, "--duration", "6", "--sync", "realtime",
                          "--set", "layout={control: [scan, decoder, wheels], network: [encoder, brain]}") as job:
             viewer = viewing.Viewer(job.socket_url(), STATUS)
-            viewer.until(lambda: "encoder.rate_max" in viewer.parameters or STATUS in viewer.messages)
+            # Not the first status, which may be the other process's.
+            viewer.until(lambda: STATUS in viewer.messages and "encoder.rate_max" in self.changeable(viewer))
             viewer.set("encoder.rate_max", 50)
             code, printed = job.end()
         self.assertEqual(code, 0, printed)
