@@ -29,9 +29,12 @@ class Page:
             time.sleep(0.05)
         return hook
 
-    def click(self, name):
-        """A button, as soon as it can be clicked."""
-        WebDriverWait(self.driver, 60).until(expected_conditions.element_to_be_clickable((By.ID, name))).click()
+    def element(self, name, by=By.ID):
+        """As soon as it can be clicked: the page draws some things ten times a second."""
+        return WebDriverWait(self.driver, 60).until(expected_conditions.element_to_be_clickable((by, name)))
+
+    def click(self, name, by=By.ID):
+        self.element(name, by).click()
 
     def press(self, key):
         """A key, on nothing in particular."""
@@ -39,8 +42,7 @@ class Page:
 
     def drag(self, name, right, down):
         """From the middle of an element, by pixels."""
-        element = self.driver.find_element(By.ID, name)
-        ActionChains(self.driver).drag_and_drop_by_offset(element, right, down).perform()
+        ActionChains(self.driver).drag_and_drop_by_offset(self.element(name), right, down).perform()
 
     def complaints(self):
         """Errors in the browser's console, but for what a run folder does not have yet."""

@@ -31,7 +31,7 @@ class Sliders(viewing.FolderCase):
         with viewing.Run(run, "--duration", "36000") as job, browser.page(job.url) as page:
             page.until(lambda hook: hook.get("parameters", {}).get("encoder.rate_max") == 200)
             page.until(lambda hook: hook["simulated_s"] > 1)
-            slider = page.driver.find_element("id", "slider-encoder.rate_max")
+            slider = page.element("slider-encoder.rate_max")
             page.driver.execute_script(
                 "arguments[0].value = 800; arguments[0].dispatchEvent(new Event('input', {bubbles: true}));"
                 "arguments[0].dispatchEvent(new Event('change', {bubbles: true}));", slider)

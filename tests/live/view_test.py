@@ -171,9 +171,9 @@ class RecordedRuns(viewing.FolderCase):
         with View(self.folder) as shown, browser.page(shown.url) as page:
             hook = page.until(lambda hook: hook.get("simulated_s", 0) > 0.5 and hook["pose"])
             self.assertLess(hook["pose"]["t"], hook["simulated_s"] + 0.1)  # not at the end of the path
-            page.driver.find_element(By.CSS_SELECTOR, '[data-show="decoder.out"]').click()
+            page.click('[data-show="decoder.out"]', By.CSS_SELECTOR)
             shown_rows = self.rows(page)
-            bar = page.driver.find_element(By.ID, "slider-run.time")
+            bar = page.element("slider-run.time")
             page.click("pause")
             page.until(lambda hook: hook["paused"])
             # To the right in small steps, then a bit back; the bar stays the same one.

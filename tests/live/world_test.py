@@ -139,7 +139,7 @@ class World(viewing.FolderCase):
             page.until(lambda hook: hook.get("pose") and hook["trajectoryRows"])
             page.click("pause")
             page.until(lambda hook: hook["paused"])
-            page.driver.find_element("css selector", ".enlarge[data-panel=world]").click()
+            page.click(".enlarge[data-panel=world]", "css selector")
             world = json.loads((self.folder / "run/world.json").read_text())
             heights = sorted(each["height_m"] for each in world["obstacles"])
             np.testing.assert_allclose(heights, sorted(2 * np.array([*HALF_HEIGHTS, 0.35])))
