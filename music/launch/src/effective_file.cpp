@@ -243,48 +243,47 @@ std::vector<std::string> furthest_upstream_first(const MusicFile& file) {
   return labels;
 }
 
-/// By label: the same number for sections that are connected, directly or through others.
-std::map<std::string, std::size_t> parts_of(const MusicFile& file) {
-  std::map<std::string, std::size_t> parts;
+/// Labels of sections that are connected, directly or through others.
+using Part = std::set<std::string>;
+
+std::vector<Part> parts_of(const MusicFile& file) {
+  std::map<std::string, std::size_t> numbers;
   for (const std::string& label : file.labels()) {
-    parts.emplace(label, parts.size());
+    numbers.emplace(label, numbers.size());
   }
   for (const MusicConnection& connection : file.connections) {
-    const std::size_t from = parts.at(connection.from_app);
-    const std::size_t to = parts.at(connection.to_app);
-    for (auto& [label, part] : parts) {
-      part = part == from ? to : part;
+    const std::size_t from = numbers.at(connection.from_app);
+    const std::size_t to = numbers.at(connection.to_app);
+    for (auto& [label, number] : numbers) {
+      number = number == from ? to : number;
     }
+  }
+  std::vector<Part> parts(numbers.size());  // some stay empty
+  for (const auto& [label, number] : numbers) {
+    parts[number].insert(label);
   }
   return parts;
 }
 
-/// One in each part: MUSIC lets a process wait only for those with which it is connected.
-void choose_clock_masters(MusicFile& file) {
+void choose_clock_master(MusicFile& file, const Part& part) {
   const auto written = [&file](const std::string& label) {
     return file.find_key(file.section(label), "clock_master");
   };
-  const auto parts = parts_of(file);
-  std::set<std::size_t> done;  // parts
-  for (const std::string& label : file.labels()) {
+  const auto within = [&part](std::vector<std::string> labels) {
+    std::erase_if(labels, [&part](const std::string& label) { return !part.contains(label); });
+    return labels;
+  };
+  bool chosen = false;
+  for (const std::string& label : part) {
     const MusicKey* key = find_program(file, label) == nullptr ? nullptr : written(label);
-    if (key != nullptr && key->value == "true") {
-      done.insert(parts.at(label));
-    }
+    chosen = chosen || (key != nullptr && key->value == "true");
   }
-  const auto candidates = sources(file);
-  for (const std::string& label : candidates) {
-    if (written(label) == nullptr) {
-      const bool first = done.insert(parts.at(label)).second;
-      set_key(file.section(label).keys, "clock_master", first ? "true" : "false");
-    }
-  }
-  for (const std::string& label : candidates) {
-    done.insert(parts.at(label));  // those of which the user wants none to wait
-  }
-  for (const std::string& label : furthest_upstream_first(file)) {
-    if (written(label) == nullptr && done.insert(parts.at(label)).second) {
-      set_key(file.section(label).keys, "clock_master", "true");
+  const auto candidates = within(sources(file));
+  for (const std::string& label :
+       candidates.empty() ? within(furthest_upstream_first(file)) : candidates) {
+    if (written(label) == nullptr && (!chosen || !candidates.empty())) {
+      set_key(file.section(label).keys, "clock_master", chosen ? "false" : "true");
+      chosen = true;
     }
   }
 }
@@ -384,7 +383,9 @@ EffectiveFile make_effective(MusicFile file, const RunOptions& options) {
   if (options.data_stamp) {
     add_data_stamp_connections(file);
   }
-  choose_clock_masters(file);
+  for (const Part& part : parts_of(file)) {  // MUSIC lets none wait for another one
+    choose_clock_master(file, part);
+  }
   set_stamp_guards(file);
   const Latencies latencies = choose_latencies(file);
   set_latencies(file, latencies);
