@@ -18,7 +18,8 @@ ReservedPort::ReservedPort() : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOE
   socklen_t size = sizeof address;
   auto* const generic = reinterpret_cast<sockaddr*>(&address);
   const int shared = 1;  // with programs that ask for this very port
-  if (::setsockopt(socket_.get(), SOL_SOCKET, SO_REUSEADDR, &shared, sizeof shared) != 0 ||
+  if (socket_.get() < 0 ||
+      ::setsockopt(socket_.get(), SOL_SOCKET, SO_REUSEADDR, &shared, sizeof shared) != 0 ||
       ::bind(socket_.get(), generic, size) != 0 ||
       ::getsockname(socket_.get(), generic, &size) != 0) {
     throw TransportError(with_code(Code::no_ros_master, "no TCP port of this machine is free: {}",

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +13,8 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
+#include "tests/support/error_of.hpp"
+#include "tests/support/no_descriptors.hpp"
 
 namespace watch_test {
 namespace {
@@ -154,34 +155,11 @@ TEST_F(WatchTest, beats_before_during_and_after_silence) {
   EXPECT_TRUE(eventually([&] { return beats >= later + 3; }));
 }
 
-/// Without file descriptors while it lives.
-class NoDescriptors {
- public:
-  NoDescriptors() {
-    // UBSan looks at the vtable of a type that it has not seen yet through a pipe, and says that
-    // the object is none when it cannot open one.
-    EXPECT_NE(spikeloop::TransportError("seen").exit_code(), 0);
-    getrlimit(RLIMIT_NOFILE, &before_);
-    rlimit none = before_;
-    none.rlim_cur = 0;
-    setrlimit(RLIMIT_NOFILE, &none);
-  }
-  ~NoDescriptors() { setrlimit(RLIMIT_NOFILE, &before_); }
-  NoDescriptors(const NoDescriptors&) = delete;
-  NoDescriptors& operator=(const NoDescriptors&) = delete;
-
- private:
-  rlimit before_{};
-};
-
 TEST_F(WatchTest, says_when_the_system_has_no_descriptors_left) {
-  std::string message;
-  try {
-    const NoDescriptors none;
+  const std::string message = spikeloop::test::error_of<spikeloop::TransportError>([this] {
+    const spikeloop::test::NoDescriptors none;
     Watch watch(kMs, actions());
-  } catch (const spikeloop::TransportError& error) {
-    message = error.what();
-  }
+  });
   EXPECT_EQ(message,
             "cannot watch the robot's commands: signalfd failed: Too many open files; raise the "
             "limit of open files (ulimit -n) [SL0109]");

@@ -8,6 +8,9 @@
 #include <cerrno>
 #include <optional>
 
+#include "tests/support/error_of.hpp"
+#include "tests/support/no_descriptors.hpp"
+
 namespace spikeloop {
 namespace {
 
@@ -60,6 +63,14 @@ TEST(ReservedPort, IsFreeAgainAfterwards) {
   const int number = port->number();
   port.reset();
   EXPECT_EQ(Listener(false).listen(number), 0);
+}
+
+TEST(ReservedPort, SaysWhyThereIsNone) {
+  const std::string message = test::error_of<TransportError>([] {
+    const test::NoDescriptors none;
+    const ReservedPort port;
+  });
+  EXPECT_EQ(message, "no TCP port of this machine is free: Too many open files [SL0701]");
 }
 
 }  // namespace
