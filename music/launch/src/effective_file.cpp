@@ -247,20 +247,20 @@ std::vector<std::string> furthest_upstream_first(const MusicFile& file) {
 using Part = std::set<std::string>;
 
 std::vector<Part> parts_of(const MusicFile& file) {
-  std::map<std::string, std::size_t> numbers;
+  std::vector<Part> parts;
   for (const std::string& label : file.labels()) {
-    numbers.emplace(label, numbers.size());
+    parts.push_back({label});
   }
+  const auto part_with = [&parts](const std::string& label) {
+    return std::ranges::find_if(parts, [&](const Part& part) { return part.contains(label); });
+  };
   for (const MusicConnection& connection : file.connections) {
-    const std::size_t from = numbers.at(connection.from_app);
-    const std::size_t to = numbers.at(connection.to_app);
-    for (auto& [label, number] : numbers) {
-      number = number == from ? to : number;
+    const auto from = part_with(connection.from_app);
+    const auto to = part_with(connection.to_app);
+    if (from != to) {
+      to->merge(*from);
+      parts.erase(from);
     }
-  }
-  std::vector<Part> parts(numbers.size());  // some stay empty
-  for (const auto& [label, number] : numbers) {
-    parts[number].insert(label);
   }
   return parts;
 }
@@ -383,7 +383,7 @@ EffectiveFile make_effective(MusicFile file, const RunOptions& options) {
   if (options.data_stamp) {
     add_data_stamp_connections(file);
   }
-  for (const Part& part : parts_of(file)) {  // MUSIC lets none wait for another one
+  for (const Part& part : parts_of(file)) {  // MUSIC synchronises connected programs only
     choose_clock_master(file, part);
   }
   set_stamp_guards(file);
