@@ -294,6 +294,29 @@ TEST_F(State, ProgressIsThatOfTheProcessThatWaitsForTheClock) {
   EXPECT_EQ(state_.progress().real_time_factor(), 0.5);
 }
 
+TEST_F(State, OverrunsAreThoseOfAllPartsOfTheJob) {
+  const MusicFile file = parse_music(
+      "np=1\nclock_master=true\n[a]\nbinary=rate_encoder\n[b]\nbinary=rate_encoder\n", "job.music");
+  JobState state(file);
+  const auto tell = [&](const char* label, double simulated_s, int overruns) {
+    return state.take({{"type", "progress"},
+                       {"process", label},
+                       {"simulated_s", simulated_s},
+                       {"overruns", overruns}},
+                      now_);
+  };
+  EXPECT_TRUE(tell("a", 1.0, 2));
+  EXPECT_TRUE(tell("b", 3.0, 4)) << "is shown";
+  EXPECT_EQ(state.progress().overruns, 6u);
+  EXPECT_TRUE(tell("b", 4.0, 5));
+  EXPECT_FALSE(tell("b", 5.0, 5));
+  EXPECT_TRUE(tell("a", 2.0, 3));
+  EXPECT_EQ(state.progress().overruns, 8u);
+  EXPECT_EQ(state.progress().simulated_s, 2.0) << "of the first section";
+  EXPECT_FALSE(tell("b", 2.0, 4)) << "an older message that comes later";
+  EXPECT_EQ(state.summary()["overruns"], 8);
+}
+
 TEST_F(State, MergesTheSummaries) {
   tell("a", "report", {{"summary", {{"spikes", 5}}}, {"counters", {{"late", 1}}}});
   tell("robot", "report", {{"summary", {{"collisions", 2}}}});

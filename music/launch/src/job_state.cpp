@@ -38,14 +38,9 @@ json object_of(const json& message, const char* key) {
   return found != message.end() && found->is_object() ? *found : json::object();
 }
 
-std::string clock_master_of(const MusicFile& file) {
-  for (const MusicSection& section : file.sections) {
-    const MusicKey* key = file.find_key(section, "clock_master");
-    if (find_program(file, section) != nullptr && key != nullptr && key->value == "true") {
-      return section.label;
-    }
-  }
-  return "";
+bool waits_for_clock(const MusicFile& file, const MusicSection& section) {
+  const MusicKey* key = file.find_key(section, "clock_master");
+  return find_program(file, section) != nullptr && key != nullptr && key->value == "true";
 }
 
 }  // namespace
@@ -54,14 +49,17 @@ std::string killed_text(std::string_view who, int signal) {
   return fmt::format("{} was killed by signal {} ({})", who, signal, strsignal(signal));
 }
 
-JobState::JobState(const MusicFile& file, bool all_here)
-    : file_(file), clock_master_(clock_master_of(file)) {
+JobState::JobState(const MusicFile& file, bool all_here) : file_(file) {
   for (const MusicSection& section : file.sections) {
     Process& process = processes_[section.label];
     process.program = what_runs(file, section);
     const Program* program = all_here ? find_program(file, section) : nullptr;
     process.ours = program != nullptr;
     process.script = program != nullptr && program->script;
+    process.clock_master = waits_for_clock(file, section);
+    if (process.clock_master && clock_master_.empty()) {
+      clock_master_ = section.label;
+    }
     order_.push_back(section.label);
   }
   progress_.total_s = total_time(file);
@@ -131,14 +129,22 @@ void JobState::take_time(Process& process, const json& message, Clock::time_poin
 }
 
 bool JobState::take_progress(const std::string& label, const json& message) {
-  const bool by_clock_master = label == clock_master_;
-  if (processes_[label].program.empty() || (clock_master_heard_ && !by_clock_master)) {
+  Process& process = processes_[label];
+  if (process.program.empty()) {
     return false;
+  }
+  const std::uint64_t before = process.overruns;
+  if (process.clock_master) {  // each part of a job has one
+    process.overruns = std::max(before, value_of(message, "overruns", before));
+    progress_.overruns += process.overruns - before;
+  }
+  const bool by_clock_master = label == clock_master_;
+  if (clock_master_heard_ && !by_clock_master) {
+    return process.overruns != before;
   }
   clock_master_heard_ = clock_master_heard_ || by_clock_master;
   progress_.simulated_s = value_of(message, "simulated_s", progress_.simulated_s);
   progress_.wall_s = value_of(message, "wall_s", progress_.wall_s);
-  progress_.overruns = value_of(message, "overruns", progress_.overruns);
   return true;
 }
 

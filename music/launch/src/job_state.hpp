@@ -81,10 +81,11 @@ class JobState {
 
  private:
   struct Process {
-    std::string program;      ///< empty: not of this file
-    bool ours = false;        ///< or has reported: we expect the other messages, too
-    bool script = false;      ///< a user's that takes part by our package
-    bool terminated = false;  ///< by SIGTERM, as it says
+    std::string program;        ///< empty: not of this file
+    bool ours = false;          ///< or has reported: we expect the other messages, too
+    bool script = false;        ///< a user's that takes part by our package
+    bool clock_master = false;  ///< waits for the clock
+    bool terminated = false;    ///< by SIGTERM, as it says
     bool started = false;
     bool ticked = false;
     bool reported = false;
@@ -96,6 +97,7 @@ class JobState {
     /// When it last ceased to wait for the clock, a robot or a viewer.
     Clock::time_point left_wait{};
     double simulated_s = 0;
+    std::uint64_t overruns = 0;
     nlohmann::json counters = nlohmann::json::object();
     nlohmann::json summary = nlohmann::json::object();
   };
@@ -116,7 +118,7 @@ class JobState {
   std::string last_line(const std::string& label) const;
 
   const MusicFile& file_;
-  std::string clock_master_;  ///< label of the process that waits for the clock; empty: unknown
+  std::string clock_master_;  ///< the first section that waits for the clock; empty: unknown
   std::vector<std::string> order_;
   std::map<std::string, Process> processes_;
   Progress progress_;

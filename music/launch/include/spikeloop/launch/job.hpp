@@ -48,7 +48,7 @@ struct Progress {
   double simulated_s = 0;
   double wall_s = 0;
   std::optional<double> total_s;  ///< none: runs until it is stopped
-  std::uint64_t overruns = 0;
+  std::uint64_t overruns = 0;     ///< of all parts of the job
 
   double real_time_factor() const { return wall_s > 0 ? simulated_s / wall_s : 0; }
 };
