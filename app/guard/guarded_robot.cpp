@@ -27,11 +27,11 @@ void wait(TimeNs deadline, int first, int second) {
 
 }  // namespace
 
-GuardedRobot::GuardedRobot(Descriptor socket, Robots& robots, std::function<void()> changed)
+GuardedRobot::GuardedRobot(Descriptor socket, Robots& robots, Events events)
     : socket_(std::move(socket)),
       leave_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
       robots_(robots),
-      changed_(std::move(changed)),
+      events_(std::move(events)),
       thread_([this] { run(); }) {}
 
 GuardedRobot::~GuardedRobot() {
@@ -42,7 +42,7 @@ GuardedRobot::~GuardedRobot() {
 
 void GuardedRobot::set_needed(bool needed) {
   if (needed_.exchange(needed) != needed) {
-    changed_();
+    events_.changed();
   }
 }
 
@@ -56,7 +56,7 @@ void GuardedRobot::run() {
   socket_.reset();
   needed_.store(false);
   ended_.store(true);
-  changed_();
+  events_.changed();
 }
 
 bool GuardedRobot::read_introduction() {
@@ -97,12 +97,19 @@ void GuardedRobot::refuse(const std::string& reason) {
 void GuardedRobot::watch(topics::RawPublisher& robot) {
   GuardTimer timer(hello_.watchdog, wall_now());
   bool reaches = false;
+  TimeNs next_beat = 0;
   set_needed(true);
   while (!timer.over() && (timer.stopping() || !wait_readable(leave_.get(), 0))) {
     // What would always be ready must not keep us from waiting.
     const TimeNs look = reaches ? kNever : wall_now() + kLook;
-    wait(std::min(timer.next_due(), look), timer.cause() == Cause::lost ? -1 : socket_.get(),
-         timer.stopping() ? -1 : leave_.get());
+    if (timer.cause() == Cause::lost) {
+      next_beat = kNever;
+    } else if (wall_now() >= next_beat) {
+      send_beat(socket_.get());
+      next_beat = wall_now() + kGuardBeatPeriod;
+    }
+    wait(std::min({timer.next_due(), look, next_beat}),
+         timer.cause() == Cause::lost ? -1 : socket_.get(), timer.stopping() ? -1 : leave_.get());
     // What has come while we had to wait for the processor counts before any deadline.
     listen(timer);
     const bool heard = robot.has_subscribers();
@@ -116,6 +123,9 @@ void GuardedRobot::watch(topics::RawPublisher& robot) {
     announce(timer);
     // Not when it is over: leaving ROS may take as long as a master hangs.
     set_needed(!timer.over() && (!timer.cause() || timer.stopping()));
+  }
+  if (timer.over() && timer.cause()) {
+    events_.stopped(hello_);
   }
   robot.drain();
 }

@@ -15,8 +15,12 @@ namespace spikeloop::guard {
 
 class GuardedRobot {
  public:
-  /// @param changed called from its thread when needed() or ended() may have changed
-  GuardedRobot(Descriptor socket, Robots& robots, std::function<void()> changed);
+  struct Events {
+    std::function<void()> changed;              ///< needed() or ended() may have changed
+    std::function<void(const Hello&)> stopped;  ///< the robot, whose adapter had died
+  };
+  /// Both events are called from its thread.
+  GuardedRobot(Descriptor socket, Robots& robots, Events events);
   /// Lets the adapter alone; a robot that is just being stopped gets the rest of its zeros.
   ~GuardedRobot();
   GuardedRobot(const GuardedRobot&) = delete;
@@ -39,7 +43,7 @@ class GuardedRobot {
   Descriptor socket_;
   Descriptor leave_;  ///< eventfd: readable when the guard ends
   Robots& robots_;
-  std::function<void()> changed_;
+  Events events_;
   Hello hello_;
   std::optional<Cause> announced_;
   std::atomic<bool> needed_{false};

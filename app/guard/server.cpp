@@ -10,12 +10,14 @@
 #include <cerrno>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/guard/guard_timer.hpp"
 #include "spikeloop/status/address.hpp"
 
 namespace spikeloop::guard {
 namespace {
 
 constexpr int kBacklog = 64;
+constexpr int kBeatMs = kGuardBeatPeriod / 1'000'000;
 
 Descriptor make_socket() {
   return Descriptor{socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
@@ -75,6 +77,9 @@ Server::Server(const Options& options)
 
 void Server::run() {
   while (!stopped() && (!owner_gone() || needed())) {
+    if (owner_ >= 0) {
+      send_beat(owner_);
+    }
     turn();
     take_in();
     guarded_.remove_if([](const GuardedRobot& guarded) { return guarded.ended(); });
@@ -87,17 +92,29 @@ void Server::turn() {
                     {signals_.fd(), POLLIN, 0},
                     {wakeup_.get(), POLLIN, 0},
                     {owner_gone() ? -1 : owner_, POLLIN, 0}};
-  poll(files, std::size(files), -1);
+  poll(files, std::size(files), owner_gone() ? -1 : kBeatMs);
   std::uint64_t count = 0;
   [[maybe_unused]] const auto drained = read(wakeup_.get(), &count, sizeof count);
 }
 
 void Server::take_in() {
   for (Descriptor adapter = listener_.accept(); adapter.get() >= 0; adapter = listener_.accept()) {
-    guarded_.emplace_back(std::move(adapter), robots_, [this] {
-      const std::uint64_t one = 1;
-      [[maybe_unused]] const auto written = write(wakeup_.get(), &one, sizeof one);
-    });
+    guarded_.emplace_back(
+        std::move(adapter), robots_,
+        GuardedRobot::Events{[this] { wake(); }, [this](const Hello& hello) { report(hello); }});
+  }
+}
+
+void Server::wake() const {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = write(wakeup_.get(), &one, sizeof one);
+}
+
+void Server::report(const Hello& hello) const {
+  if (owner_ >= 0) {
+    auto packet = make_packet("stopped");
+    packet["topic"] = hello.topic;
+    send_packet(owner_, packet);
   }
 }
 

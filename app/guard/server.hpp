@@ -43,6 +43,9 @@ class Server {
  private:
   void turn();
   void take_in();
+  void wake() const;
+  /// To the launcher: this robot has been stopped.
+  void report(const Hello& hello) const;
   bool stopped();
   bool owner_gone() const;
   bool needed() const;

@@ -36,6 +36,10 @@ Parameter number(const char* name, const char* unit, const char* value, double m
   return {.name = name, .unit = unit, .default_value = value, .minimum = minimum, .text = line};
 }
 
+Parameter flag(const char* name, const char* line) {
+  return {.name = name, .type = ParameterType::boolean, .default_value = "false", .text = line};
+}
+
 NodeDescription ros_sensor() {
   NodeDescription sensor;
   sensor.name = kRosSensor;
@@ -163,7 +167,9 @@ NodeDescription ros_command() {
       number("spike_timeout", "s", "0", 0,
              "Time without an upstream spike after which the robot is stopped; 0: never"),
       emergency_stop_parameter(),
-      override_parameter()};
+      override_parameter(),
+      flag("guard_required",
+           "The robot is stopped while no guard answers; over ROS, not in lockstep")};
   return command;
 }
 

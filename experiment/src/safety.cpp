@@ -168,6 +168,7 @@ void add_operator_input(const Node& command, messages::Dialect ros,
                         command::CommandSettings& settings) {
   settings.emergency_stop = emergency_stop(command, ros);
   settings.manual = manual_override(command);
+  settings.guard_required = command.parameters.boolean("guard_required");
 }
 
 void add_bounds(const Node& command, command::CommandSettings& settings) {

@@ -98,6 +98,13 @@ void ProcessTree::signal(int number) const {
   }
 }
 
+void ProcessTree::signal_all(int number) const {
+  signal(number);
+  for (const pid_t process : descendants(pid_)) {
+    ::kill(process, number);
+  }
+}
+
 void ProcessTree::order(char command) {
   killing_ = killing_ || command == kKillTree;
   if (subreaper_.get() >= 0) {

@@ -295,5 +295,27 @@ TEST_F(InterventionTest, no_message_releases_the_stop_button) {
   EXPECT_EQ(channel_.stopped_by(), std::nullopt);
 }
 
+TEST_F(InterventionTest, without_supervision_only_zeros_leave_whoever_drives) {
+  OperatorInput input({.topic = "/stop"}, channel_);
+  command(0.5, 0);
+  input.set_lost_supervision(StopReason::unsupervised);
+  input.apply(0, kMs);
+  EXPECT_EQ(channel_.stopped_by(), StopReason::unsupervised);
+  manual(0.7, 2 * kMs);
+  command(0.5, 150 * kMs);
+  channel_.poll(250 * kMs);
+  EXPECT_THAT(sent_, ElementsAre(0.5, 0, 0, 0)) << "zeros are repeated";
+  input.emergency(true, 0);
+  input.apply(0, 251 * kMs);
+  EXPECT_EQ(channel_.stopped_by(), StopReason::emergency);
+  input.emergency(false, 0);
+  input.set_lost_supervision(std::nullopt);
+  input.apply(0, 252 * kMs);
+  command(0.5, 253 * kMs);
+  EXPECT_EQ(channel_.stopped_by(), std::nullopt);
+  EXPECT_EQ(sent_.back(), 0.5);
+  EXPECT_EQ(count("stops_unsupervised"), 1U);
+}
+
 }  // namespace
 }  // namespace spikeloop::command::intervention_test

@@ -45,6 +45,10 @@ TEST_F(TextsTest, every_reason_has_its_cause) {
 TEST_F(TextsTest, the_emergency_stop_says_which_topic) {
   EXPECT_EQ(cause(StopReason::emergency), "emergency stop on topic '/stop'");
   EXPECT_EQ(cause(StopReason::stop_button), "STOP is pressed in the live view");
+  EXPECT_EQ(cause(StopReason::suspended), "the run is suspended (Ctrl-Z); fg continues it");
+  EXPECT_EQ(cause(StopReason::unsupervised),
+            "the launcher, or mpirun, is stopped (SIGSTOP) or hangs");
+  EXPECT_EQ(cause(StopReason::unguarded), "no guard answers, and guard_required is true");
   EXPECT_EQ(cause(StopReason::emergency_unknown),
             "the emergency stop's topic '/stop' has no publisher");
   settings_.emergency_stop.latched = true;
@@ -65,7 +69,8 @@ TEST_F(TextsTest, counters_have_the_reasons_names) {
   const char* names[] = {"without_value", "not_finite",     "data_too_old",
                          "sensor_silent", "no_spike",       "no_tick",
                          "continued",     "emergency_stop", "emergency_stop_unknown",
-                         "stop_button",   "terminated",     "ended"};
+                         "stop_button",   "suspended",      "unsupervised",
+                         "unguarded",     "terminated",     "ended"};
   const auto counters = channel_.counters();
   ASSERT_EQ(counters.size(), 5 + kStopReasons);
   for (std::size_t i = 0; i < kStopReasons; ++i) {

@@ -190,7 +190,7 @@ class NoGuardTest : public GuardedJob {
 /// A job whose guard is played by the test.
 class StrangeGuardTest : public GuardedJob {
  protected:
-  /// Ready, and nothing more.
+  /// Sends ready and beats, and nothing more.
   void play_guard() {
     guard_thread_ = std::thread([this] {
       const spikeloop::Descriptor listener{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
@@ -203,13 +203,21 @@ class StrangeGuardTest : public GuardedJob {
       ASSERT_TRUE(guard::wait_readable(adapter_.get(), 10 * spikeloop::kNsPerSecond));
       ready_at_ = ros_peer::monotonic_now();
       guard::send_packet(adapter_.get(), guard::make_packet("ready"));
+      while (!ended_) {
+        guard::send_beat(adapter_.get());
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      }
     });
   }
-  ~StrangeGuardTest() override { guard_thread_.join(); }
+  ~StrangeGuardTest() override {
+    ended_ = true;
+    guard_thread_.join();
+  }
 
   std::string socket_ = (directory_.path() / "guard").string();
   spikeloop::Descriptor adapter_;
   std::atomic<bool> listens_{false};
+  std::atomic<bool> ended_{false};
   std::int64_t ready_at_ = 0;
   std::thread guard_thread_;
 };

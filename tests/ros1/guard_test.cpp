@@ -9,6 +9,7 @@
 
 #include "guarded_job.hpp"
 #include "spikeloop/core/priority.hpp"
+#include "spikeloop/core/time.hpp"
 
 namespace {
 
@@ -192,10 +193,11 @@ TEST_F(PatientGuardTest, ctrl_c) {
 
 TEST_F(PatientGuardTest, guard_killed) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
-  kill(named("spikeloop-guard"), SIGKILL);
+  const pid_t first = named("spikeloop-guard");
+  kill(first, SIGKILL);
   EXPECT_TRUE(
-      child_->wait_for("spikeloop: warning: spikeloop-guard has ended; nothing stops the "
-                       "robot when its command adapter is killed or stopped",
+      child_->wait_for("spikeloop: warning: spikeloop-guard has ended; it is started again. Until "
+                       "then nothing stops the robot when its command adapter is killed or stopped",
                        std::chrono::seconds(10)))
       << child_->output();
   EXPECT_TRUE(
@@ -208,23 +210,84 @@ TEST_F(PatientGuardTest, guard_killed) {
     const auto twists = robot_.twists();
     return twists.size() > before + 5 && !twists.back().is_zero();
   })) << "the job goes on";
+  EXPECT_TRUE(child_->wait_for("the guard watches over /cmd_vel again", std::chrono::seconds(10)))
+      << child_->output();
+  EXPECT_NE(named("spikeloop-guard"), first);
+  kill(named("ros_command_ada"), SIGKILL);
+  EXPECT_TRUE(eventually(10, [&] { return guards_commands() > 0; })) << "of the second guard";
+  const auto outcome = child_->wait();
+  EXPECT_EQ(outcome.exit_code, 128 + SIGKILL) << outcome.text();
+  EXPECT_EQ(outcome.left_behind, 0);
+  EXPECT_TRUE(robot_.twists().back().is_zero());
+}
+
+TEST_F(PatientGuardTest, guard_and_adapter_killed_at_once) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const std::vector<pid_t> both{named("spikeloop-guard"), named("ros_command_ada")};
+  child_->signal(SIGSTOP);  // it would start another guard
+  kill_all(both, SIGKILL);
+  child_->signal(SIGCONT);
+  const auto outcome = child_->wait();
+  EXPECT_EQ(outcome.exit_code, 128 + SIGKILL);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("(Killed); no zero command could be sent to the robot: stop it "
+                        "by hand\n"));
+}
+
+TEST_F(GuardTest, a_stopped_guard_is_continued) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const auto begin = monotonic_now();
+  kill(named("spikeloop-guard"), SIGSTOP);
+  kill(named("ros_command_ada"), SIGKILL);
+  expect_zero_since(begin, "guard stopped, adapter killed");
+  const auto outcome = child_->wait();
+  EXPECT_THAT(outcome.err, HasSubstr("spikeloop: warning: spikeloop-guard had been stopped "
+                                     "(SIGSTOP); it was continued\n"));
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
+TEST_F(GuardTest, launcher_stopped) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const auto begin = monotonic_now();
+  child_->signal(SIGSTOP);
+  expect_zero_since(begin, "launcher stopped");
+  const std::size_t before = robot_.twists().size();
+  ASSERT_TRUE(eventually(10, [&] { return robot_.twists().size() > before + 10; }))
+      << "zeros are repeated";
+  expect_quiet_after_zero(begin, spikeloop::kNever);
+  child_->signal(SIGCONT);
+  EXPECT_TRUE(eventually(10, [&] { return !robot_.twists().back().is_zero(); }))
+      << "it drives again";
   child_->signal(SIGINT);
   const auto outcome = child_->wait();
   EXPECT_EQ(outcome.exit_code, 130) << outcome.text();
-  EXPECT_EQ(outcome.left_behind, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("the robot is stopped: the launcher, or mpirun, is stopped "
+                                     "(SIGSTOP) or hangs"));
+}
+
+TEST_F(GuardTest, mpirun_stopped) {
+  ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
+  const auto begin = monotonic_now();
+  const pid_t mpirun = named("mpirun");
+  kill(mpirun, SIGSTOP);
+  expect_zero_since(begin, "mpirun stopped");
+  EXPECT_TRUE(child_->wait_for(
+      fmt::format("spikeloop: warning: mpirun (process {}) has been stopped (SIGSTOP); the robot "
+                  "is stopped until it continues: kill -CONT {}",
+                  mpirun, mpirun),
+      std::chrono::seconds(10)))
+      << child_->output();
+  child_->signal(SIGINT);
+  EXPECT_EQ(child_->wait().left_behind, 0);
 }
 
 TEST_F(GuardTest, guard_stopped_delays_nothing) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
-  const pid_t guard = named("spikeloop-guard");
-  kill(guard, SIGSTOP);
-  // For longer than an adapter may be silent. LinkTest sends more beats than the connection holds.
-  const std::size_t at_first = robot_.twists().size();
-  ASSERT_TRUE(eventually(10, [&] { return robot_.twists().size() > at_first + 15; }));
+  kill(named("spikeloop-guard"), SIGSTOP);
   const std::size_t before = robot_.twists().size();
-  kill(guard, SIGCONT);
-  ASSERT_TRUE(eventually(10, [&] { return robot_.twists().size() > before + 10; }));
+  ASSERT_TRUE(eventually(10, [&] { return robot_.twists().size() > before + 25; }));
   EXPECT_EQ(guards_commands(before), 0) << "its own absence is not the adapter's";
+  EXPECT_TRUE(std::ranges::none_of(robot_.twists(), &Twist::is_zero));
   child_->signal(SIGINT);
   EXPECT_EQ(child_->wait().left_behind, 0);
 }

@@ -4,9 +4,13 @@
 
 namespace spikeloop::guard {
 
-// A watchdog of years must not overflow.
+TimeNs deadline_for(TimeNs watchdog) {
+  // A watchdog of years must not overflow.
+  return std::clamp<TimeNs>(watchdog, 0, kNever / 4) + kMargin;
+}
+
 GuardTimer::GuardTimer(TimeNs watchdog, TimeNs now)
-    : deadline_(std::clamp<TimeNs>(watchdog, 0, kNever / 4) + kMargin), last_beat_(now) {}
+    : deadline_(deadline_for(watchdog)), last_beat_(now) {}
 
 void GuardTimer::beat(TimeNs now) {
   if (state_ == State::over || cause_ == Cause::lost) {

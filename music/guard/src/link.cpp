@@ -6,8 +6,10 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/core/pacer.hpp"
 #include "spikeloop/guard/guard_timer.hpp"
 #include "spikeloop/status/address.hpp"
 
@@ -16,6 +18,9 @@ namespace {
 
 /// Longer than the guard itself waits for a ROS master.
 constexpr TimeNs kPatience = 5 * kNsPerSecond;
+constexpr TimeNs kRetryPeriod = 100'000'000;
+
+constexpr const char* kUnguarded = "Nothing stops the robot when this program is killed or stopped";
 
 /// Returns 0 or an errno.
 int connect_to(const std::string& path, Descriptor& into) {
@@ -23,88 +28,159 @@ int connect_to(const std::string& path, Descriptor& into) {
   if (!address) {
     return ENAMETOOLONG;
   }
-  // Does not wait: a guard that is stopped would keep us waiting for ever.
+  // Does not wait: a guard that is stopped would otherwise block this program.
   into = Descriptor{socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
   status::enlarge(into.get(), SO_SNDBUF);
   return connect(into.get(), status::generic(*address), sizeof *address) == 0 ? 0 : errno;
 }
 
+/// Not under the link's lock: output may block.
+void print(const std::vector<std::pair<bool, std::string>>& lines) {
+  for (const auto& [warning, text] : lines) {
+    log::write(warning ? log::Level::warning : log::Level::info, text);
+  }
+}
+
 }  // namespace
 
-Link::Link(const Hello& hello) {
+Link::Link(const Hello& hello) : hello_(hello) {
   const char* const path = std::getenv(kSocketVariable);
   if (path == nullptr || *path == '\0') {
     return;
   }
-  if (const int error = connect_to(path, socket_); error != 0) {
-    go_without(
-        fmt::format("no guard answers at '{0}' ({1}); start one with spikeloop-guard --socket {0}, "
-                    "or unset {2}",
-                    path, std::strerror(error), kSocketVariable));
-    return;
-  }
-  introduce(hello);
+  path_ = path;
+  ask_first();
 }
 
-void Link::introduce(const Hello& hello) {
-  if (const int error = send_packet(socket_.get(), to_packet(hello)); error != 0) {
-    go_without(fmt::format("the guard could not be told about {} ({})", hello.topic,
-                           std::strerror(error)));
-    return;
-  }
-  if (!wait_readable(socket_.get(), kPatience)) {
-    go_without(fmt::format("the guard does not answer within {}", format_time(kPatience)));
-    return;
-  }
-  const Received answer = receive_packet(socket_.get());
-  const std::string type = type_of(answer.packet);
-  if (type == "ready") {
-    guarded_.store(true);
-  } else if (type == "refused") {
-    go_without("the guard refuses: " + text_of(answer.packet, "reason"));
-  } else {
-    go_without("the guard has ended");
-  }
-}
-
-void Link::go_without(const std::string& reason) {
-  log::warning("{}. Nothing stops the robot when this program is killed or stopped", reason);
-}
-
-bool Link::reaches_robot() {
-  while (guarded_.load() && !reaches_) {
-    const Received news = receive_packet(socket_.get());
-    if (news.nothing || news.closed) {
-      return news.closed;  // of which the next beat tells
+void Link::ask_first() {
+  Lines lines;
+  const TimeNs now = wall_now();
+  if (connect(now, lines)) {
+    if (wait_readable(socket_.get(), kPatience)) {
+      read(wall_now(), lines);
+    } else {
+      lose(fmt::format("the guard does not answer within {}", format_time(kPatience)), wall_now(),
+           lines);
     }
-    reaches_ = type_of(news.packet) == "reaches";
   }
+  print(lines);
+}
+
+bool Link::connect(TimeNs now, Lines& lines) {
+  if (const int error = connect_to(path_, socket_); error != 0) {
+    lose(fmt::format("no guard answers at '{0}' ({1}); start one with spikeloop-guard --socket {0},"
+                     " or unset {2}",
+                     path_, std::strerror(error), kSocketVariable),
+         now, lines);
+    return false;
+  }
+  if (const int error = send_packet(socket_.get(), to_packet(hello_)); error != 0) {
+    lose(fmt::format("the guard could not be told about {} ({})", hello_.topic,
+                     std::strerror(error)),
+         now, lines);
+    return false;
+  }
+  state_ = State::asked;
+  due_ = now + kPatience;
   return true;
 }
 
+void Link::read(TimeNs now, Lines& lines) {
+  while (state_ == State::asked || state_ == State::accepted) {
+    const Received news = receive_packet(socket_.get());
+    if (news.nothing) {
+      return;
+    }
+    take(news, now, lines);
+  }
+}
+
+void Link::take(const Received& news, TimeNs now, Lines& lines) {
+  const std::string type = type_of(news.packet);
+  if (news.closed) {
+    lose("the guard has ended", now, lines);
+    return;
+  }
+  heard_ = now;
+  if (type == "ready") {
+    state_ = State::accepted;
+  } else if (type == "reaches") {
+    reaches_.store(true);
+  } else if (type == "refused") {
+    lose("the guard refuses: " + text_of(news.packet, "reason"), now, lines);
+    leave(State::off);
+  }
+  guarded_.store(state_ == State::accepted);
+  if (guarded() && std::exchange(lost_, false)) {
+    lines.emplace_back(false, fmt::format("the guard watches over {} again", hello_.topic));
+  }
+}
+
+/// Warns once until a guard answers again.
+void Link::lose(const std::string& reason, TimeNs now, Lines& lines) {
+  leave(State::missing);
+  due_ = now + kRetryPeriod;
+  if (!std::exchange(lost_, true)) {
+    lines.emplace_back(true, fmt::format("{}. {}", reason, kUnguarded));
+  }
+}
+
+void Link::leave(State state) {
+  state_ = state;
+  guarded_.store(false);
+  reaches_.store(false);
+  socket_.reset();
+}
+
+void Link::check_silence(TimeNs now, Lines& lines) {
+  if (guarded() && now - heard_ > kGuardSilence) {
+    guarded_.store(false);
+    lost_ = true;
+    lines.emplace_back(
+        true, fmt::format("the guard has not answered for {} (stopped by SIGSTOP, or the machine "
+                          "is too busy). {}",
+                          format_time(kGuardSilence), kUnguarded));
+  }
+}
+
 TimeNs Link::beat(TimeNs now) {
-  if (!guarded_.load()) {
-    return kNever;
+  Lines lines;
+  {
+    const std::lock_guard lock(mutex_);
+    if (state_ == State::missing && now >= due_) {
+      connect(now, lines);
+    }
+    read(now, lines);
+    if (state_ == State::asked && now >= due_) {
+      leave(State::missing);
+    }
+    if (state_ == State::accepted) {
+      check_silence(now, lines);
+      // A guard that is late has enough beats to read, and one that has ended is noticed above.
+      send_packet(socket_.get(), make_packet("beat"));
+    }
+    if (state_ == State::off) {
+      now = kNever - kBeatPeriod;
+    }
   }
-  const int error = send_packet(socket_.get(), make_packet("beat"));
-  // A guard that is late has enough beats to read.
-  if (error != 0 && error != EAGAIN && guarded_.exchange(false)) {
-    go_without("the guard has ended");
-    return kNever;
-  }
+  print(lines);
   return now + kBeatPeriod;
 }
 
 void Link::abandon() {
-  if (guarded_.exchange(false)) {
-    ::shutdown(socket_.get(), SHUT_RDWR);
+  const std::lock_guard lock(mutex_);
+  if (state_ != State::off) {
+    leave(State::off);
   }
 }
 
 void Link::done() {
-  if (guarded_.exchange(false)) {
+  const std::lock_guard lock(mutex_);
+  if (state_ == State::accepted) {
     send_packet(socket_.get(), make_packet("done"));
   }
+  guarded_.store(false);
+  state_ = State::off;
 }
 
 }  // namespace spikeloop::guard

@@ -1,6 +1,8 @@
 #include "spikeloop/guard/protocol.hpp"
 
+#include <linux/sockios.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -75,7 +77,11 @@ int send_packet(int fd, const json& packet) {
 }
 
 Received receive_packet(int fd) {
-  const auto size = recv(fd, nullptr, 0, MSG_PEEK | MSG_TRUNC | MSG_DONTWAIT);
+  auto size = recv(fd, nullptr, 0, MSG_PEEK | MSG_TRUNC | MSG_DONTWAIT);
+  if (size < 0 && errno == ECONNRESET) {
+    // The other side had not read all before it closed its end; what it has sent is still there.
+    size = recv(fd, nullptr, 0, MSG_PEEK | MSG_TRUNC | MSG_DONTWAIT);
+  }
   if (size < 0) {
     const bool later = errno == EAGAIN || errno == EINTR;
     return {.closed = !later, .nothing = later};
@@ -87,6 +93,14 @@ Received receive_packet(int fd) {
   }
   // What is not CBOR becomes a packet without a type.
   return {.packet = json::from_cbor(bytes, true, false)};
+}
+
+void send_beat(int fd) {
+  int unread = 0;
+  if (ioctl(fd, SIOCOUTQ, &unread) == 0 && unread > 0) {
+    return;
+  }
+  send_packet(fd, make_packet("beat"));
 }
 
 bool wait_readable(int fd, TimeNs timeout) {

@@ -14,6 +14,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/core/priority.hpp"
+#include "spikeloop/guard/guard_timer.hpp"
 
 namespace spikeloop::launch {
 namespace {
@@ -89,8 +90,8 @@ std::string guard_socket(const std::string& scratch) {
 }
 
 GuardProcess::GuardProcess(const ScratchFolder& scratch,
-                           const std::map<std::string, std::string>& environment, Listener listener)
-    : listener_(std::move(listener)) {
+                           const std::map<std::string, std::string>& environment, Events events)
+    : events_(std::move(events)) {
   Connection connection = connect_pair();
   start(scratch, connection.theirs.get(), environment);
   connection_ = std::move(connection.ours);
@@ -134,13 +135,20 @@ bool GuardProcess::read() {
   return false;
 }
 
+bool GuardProcess::hangs() const {
+  return wall_now() - heard_ > 2 * guard::kGuardSilence;
+}
+
 void GuardProcess::take(const nlohmann::json& packet) {
+  heard_ = wall_now();
   const std::string type = guard::type_of(packet);
   if (type == "started") {
     pid_ = packet.value("pid", 0);
   } else if (type == "log") {
     const bool plain = guard::text_of(packet, "level") == "info";
-    listener_(plain ? log::Level::info : log::Level::warning, guard::text_of(packet, "text"));
+    events_.log(plain ? log::Level::info : log::Level::warning, guard::text_of(packet, "text"));
+  } else if (type == "stopped") {
+    events_.stopped(guard::text_of(packet, "topic"));
   }
 }
 

@@ -20,30 +20,38 @@ std::string guard_socket(const std::string& scratch);
 /// leaves it the time to stop the robot. It ends by itself when we have gone.
 class GuardProcess {
  public:
-  using Listener = std::function<void(log::Level, const std::string&)>;
+  struct Events {
+    std::function<void(log::Level, const std::string&)> log;
+    /// The guard has stopped the robot on this topic, because its adapter had died.
+    std::function<void(const std::string& topic)> stopped;
+  };
 
   /// Waits until it listens at guard_socket() of the folder.
   /// @param environment added to ours; PATH says where it is
   /// @throws TransportError when it does not.
   GuardProcess(const ScratchFolder& scratch, const std::map<std::string, std::string>& environment,
-               Listener listener);
+               Events events);
   ~GuardProcess();
   GuardProcess(const GuardProcess&) = delete;
   GuardProcess& operator=(const GuardProcess&) = delete;
 
   /// Passes on what it has said. False when it has ended.
   bool read();
+  /// True if it has sent nothing for kGuardSilence twice over.
+  bool hangs() const;
+  pid_t pid() const { return pid_; }
   /// Lets it end, and waits until it has; kills one that does not.
   void end();
+  void kill();
 
  private:
   void await_listening();
-  void kill();
   void take(const nlohmann::json& packet);
 
-  Listener listener_;
+  Events events_;
   Descriptor connection_;  ///< it has the other end, and nobody else
   pid_t pid_ = 0;
+  TimeNs heard_ = 0;  ///< wall time of its newest packet
 };
 
 }  // namespace spikeloop::launch

@@ -1,7 +1,11 @@
-// The part of a run that stops the robot when nothing else does.
+// What stops the robot when a command adapter or its launcher cannot: the guard, and the beats by
+// which adapters know that their job is supervised.
 #include <fmt/format.h>
+#include <signal.h>
 
 #include <algorithm>
+#include <thread>
+#include <utility>
 
 #include "guard_process.hpp"
 #include "job_run.hpp"
@@ -9,12 +13,19 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/programs.hpp"
+#include "supervision_thread.hpp"
 
 namespace spikeloop::launch {
 namespace {
 
 constexpr const char* kUnguarded =
     "nothing stops the robot when its command adapter is killed or stopped";
+/// A guard that cannot run ends again and again.
+constexpr int kMostRestarts = 5;
+/// Adapters look every 20 ms whether the run is suspended.
+constexpr std::chrono::milliseconds kSuspendGrace{100};
+/// A longer turn of the launcher's loop is a pause: SIGSTOP, Ctrl-Z, a suspended machine.
+constexpr std::chrono::seconds kLongestTurn{2};
 
 bool commands_robot(const MusicFile& file) {
   return std::any_of(file.sections.begin(), file.sections.end(), [&file](const auto& section) {
@@ -23,33 +34,128 @@ bool commands_robot(const MusicFile& file) {
   });
 }
 
+/// Stops this process as Ctrl-Z does, and returns when it is continued.
+void stop_self() {
+  sigset_t stop;
+  sigset_t before;
+  sigemptyset(&stop);
+  sigaddset(&stop, SIGTSTP);
+  raise(SIGTSTP);  // blocked until the next line
+  pthread_sigmask(SIG_UNBLOCK, &stop, &before);
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
 }  // namespace
 
 void JobRun::start_guard() {
   if (!commands_robot(effective_.file)) {
     return;
   }
+  const std::string path = scratch_.path() + "/supervision";
+  supervision_ = std::make_unique<SupervisionThread>(path);
+  ros_environment_[status::kSupervisionVariable] = path;
+  make_guard();
+  if (guard_) {
+    ros_environment_[guard::kSocketVariable] = guard_socket(scratch_.path());
+  }
+}
+
+void JobRun::make_guard() {
+  const auto log = [this](log::Level level, const std::string& text) {
+    log_ << "guard: " << text << std::endl;
+    log::write(level, text);
+  };
+  const auto stopped = [this](const std::string& /*topic*/) { ++stopped_by_guard_; };
   try {
     guard_ = std::make_unique<GuardProcess>(scratch_, with_environment({}).environment,
-                                            [this](log::Level level, const std::string& text) {
-                                              log_ << "guard: " << text << std::endl;
-                                              log::write(level, text);
-                                            });
-    ros_environment_[guard::kSocketVariable] = guard_socket(scratch_.path());
+                                            GuardProcess::Events{log, stopped});
+    supervision_->set_guard(guard_->pid());
   } catch (const TransportError& error) {
     log::warning("{}", lengthened(error.what(), fmt::format("; {}", kUnguarded)));
   }
 }
 
 void JobRun::watch_guard() {
-  if (guard_ && !guard_->read()) {
-    guard_.reset();
-    log::warning("spikeloop-guard has ended; {}", kUnguarded);
+  if (supervision_ && supervision_->has_continued_guard()) {
+    log::warning("spikeloop-guard had been stopped (SIGSTOP); it was continued");
   }
+  if (!guard_) {
+    return;
+  }
+  const bool alive = guard_->read();
+  if (alive && !guard_->hangs()) {
+    return;
+  }
+  supervision_->set_guard(0);
+  guard_->kill();
+  guard_.reset();
+  const char* const what = alive ? "hangs" : "has ended";
+  if (outcome_ || ++guard_restarts_ > kMostRestarts) {
+    log::warning("spikeloop-guard {}; {}", what, kUnguarded);
+    return;
+  }
+  log::warning("spikeloop-guard {}; it is started again. Until then {}", what, kUnguarded);
+  make_guard();
 }
 
 void JobRun::end_guard() {
-  guard_.reset();
+  if (supervision_) {
+    supervision_->set_guard(0);
+  }
+  if (guard_) {
+    guard_->end();
+    guard_.reset();
+  }
+}
+
+void JobRun::watch_supervision() {
+  const pid_t stopped = supervision_ ? supervision_->stopped_process() : 0;
+  if (stopped != 0 && stopped != reported_stopped_) {
+    log::warning(
+        "{} (process {}) has been stopped (SIGSTOP); the robot is stopped until it continues: "
+        "kill -CONT {}",
+        stopped == mpirun_->tree().pid() ? starter()
+                                         : "spikeloop-keep, which ends the job's programs,",
+        stopped, stopped);
+  }
+  reported_stopped_ = stopped;
+}
+
+void JobRun::suspend() {
+  log::info("suspended by Ctrl-Z; fg continues");
+  if (supervision_) {
+    supervision_->suspend(true);
+    std::this_thread::sleep_for(kSuspendGrace);
+  }
+  signal_programs(SIGSTOP);
+  stop_self();
+  signal_programs(SIGCONT);
+  if (supervision_) {
+    supervision_->suspend(false);
+  }
+}
+
+void JobRun::signal_programs(int number) {
+  for (const Process* process : {mpirun_, robot_}) {
+    if (process != nullptr && !process->gone()) {
+      process->tree().signal_all(number);
+    }
+  }
+}
+
+void JobRun::allow_for_pause() {
+  const auto now = Clock::now();
+  const auto turn = now - std::exchange(turned_, now);
+  if (turn > kLongestTurn) {
+    started_ += turn;
+    prepared_ += turn;
+    state_.allow_for_pause(turn);
+  }
+}
+
+std::string JobRun::unstopped_robot() const {
+  const bool any = supervision_ && supervision_->robots() > stopped_by_guard_;
+  return any ? "; no zero command could be sent to the robot: stop it by hand" : "";
 }
 
 }  // namespace spikeloop::launch

@@ -15,6 +15,7 @@
 #include "spikeloop/launch/check.hpp"
 #include "spikeloop/launch/programs.hpp"
 #include "spikeloop/processes/descendants.hpp"
+#include "supervision_thread.hpp"
 
 namespace spikeloop::launch {
 namespace {
@@ -94,6 +95,10 @@ void JobRun::take_message(const nlohmann::json& message) {
 }
 
 void JobRun::take_signal(int number) {
+  if (number == SIGTSTP) {
+    suspend();
+    return;
+  }
   // Some batch systems repeat SIGUSR1, and GNU timeout sends every signal twice: no impatience.
   const auto now = std::chrono::steady_clock::now();
   if (stop_signals_ > 0 && now - last_signal_ < kSameSignal) {
@@ -146,6 +151,14 @@ void JobRun::start_programs() {
   });
   started_ = prepared_ = Clock::now();
   starting_.emplace(effective_.file.labels(), started_);
+  if (supervision_) {
+    // A program that runs alone is the adapter, which the guard watches.
+    std::vector<pid_t> required{mpirun_->tree().subreaper()};
+    if (!options_.alone) {
+      required.push_back(mpirun_->tree().pid());
+    }
+    supervision_->require(required);
+  }
 }
 
 void JobRun::run() {
@@ -160,6 +173,9 @@ void JobRun::run() {
     throw;
   }
   end_helpers();
+  if (outcome_) {
+    outcome_->message = lengthened(outcome_->message, unstopped_robot());
+  }
 }
 
 bool JobRun::check() {
@@ -190,14 +206,17 @@ bool JobRun::stopped_already() {
 }
 
 void JobRun::supervise() {
+  turned_ = Clock::now();
   while (!mpirun_->gone()) {
     group_.turn(Milliseconds{100});
+    allow_for_pause();
     watch_failures();
     watch_deaths();
     watch_start();
     watch_progress();
     watch_robot();
     watch_guard();
+    watch_supervision();
     watch_end();
     watch_stop();
   }

@@ -18,6 +18,7 @@
 namespace spikeloop::launch {
 
 class GuardProcess;
+class SupervisionThread;
 
 class JobRun {
  public:
@@ -63,9 +64,21 @@ class JobRun {
   void watch_failures();
   void watch_deaths();
   void watch_robot();
+  /// Also the supervision that adapters see.
   void start_guard();
+  void make_guard();
+  /// Starts another one in place of a guard that has ended or hangs.
   void watch_guard();
   void end_guard();
+  /// Warns when mpirun or its subreaper is stopped.
+  void watch_supervision();
+  /// Ctrl-Z: stops the robot, then all programs, then this process. Returns when it is continued.
+  void suspend();
+  void signal_programs(int number);
+  /// Deadlines do not include the time for which this process was stopped.
+  void allow_for_pause();
+  /// For the last line, when an adapter has died and nobody has stopped its robot; else empty.
+  std::string unstopped_robot() const;
   bool robot_ended() const;
   /// The job's, when the robot ended too early with `code`: an end that was good for the robot is
   /// none for the job.
@@ -93,7 +106,12 @@ class JobRun {
   Process* rosmaster_ = nullptr;
   Process* robot_ = nullptr;
   Process* mpirun_ = nullptr;
+  std::unique_ptr<SupervisionThread> supervision_;  ///< none without a robot
   std::unique_ptr<GuardProcess> guard_;
+  int guard_restarts_ = 0;
+  int stopped_by_guard_ = 0;        ///< robots whose adapters had died
+  pid_t reported_stopped_ = 0;      ///< by watch_supervision()
+  Clock::time_point turned_{};      ///< begin of the newest turn of supervise()
   std::optional<Failure> outcome_;  ///< none while all is well
   int stop_signals_ = 0;
   std::chrono::steady_clock::time_point last_signal_{};

@@ -191,6 +191,17 @@ bool JobState::has_ticked(const std::string& label) const {
   return found != processes_.end() && found->second.ticked;
 }
 
+void JobState::allow_for_pause(Clock::duration pause) {
+  for (auto& [label, process] : processes_) {
+    process.heard += pause;
+    process.moved += pause;
+    process.left_wait += pause;
+    if (process.left) {
+      *process.left += pause;
+    }
+  }
+}
+
 bool JobState::all_reported() const {
   bool any = false;
   for (const auto& [label, process] : processes_) {

@@ -70,6 +70,8 @@ class JobState {
   std::string who_stands_still(Clock::duration longest, Clock::time_point now = Clock::now()) const;
   /// Who has left its loop before its time; empty: nobody.
   std::string who_ended_early() const;
+  /// Moves the times of all messages: nobody could read any for this time.
+  void allow_for_pause(Clock::duration pause);
   /// Everybody whose report we expect has sent it.
   bool all_reported() const;
   /// Why a robot stood before the run's end, as its process says; nothing: none did.

@@ -26,6 +26,7 @@ class Process {
   Process(const ProgramStart& start, const TaggedOutput::Handler& handler);
 
   ProcessTree& tree() { return tree_; }
+  const ProcessTree& tree() const { return tree_; }
   bool gone() const { return gone_; }
   /// Passes on what it has printed. When its tree has gone, unfinished lines too.
   void read();
@@ -69,7 +70,7 @@ class ProcessGroup {
 
   status::Receiver& receiver_;
   ProcessGroupEvents events_;
-  status::SignalWatch signals_;
+  status::SignalWatch signals_{SIGTSTP};
   std::vector<std::unique_ptr<Process>> processes_;
 };
 

@@ -3,19 +3,25 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "spikeloop/status/signals.hpp"
 
 namespace spikeloop::status {
 
-SignalWatch::SignalWatch() {
+SignalWatch::SignalWatch(std::initializer_list<int> more) {
   sigset_t watched;
   sigemptyset(&watched);
   for (const int number : {SIGINT, SIGTERM, SIGQUIT, SIGUSR1}) {
     sigaddset(&watched, number);
   }
-  if (!is_ignored(SIGHUP)) {
-    sigaddset(&watched, SIGHUP);
-  }
+  const auto add = [&watched](int number) {
+    if (!is_ignored(number)) {
+      sigaddset(&watched, number);
+    }
+  };
+  add(SIGHUP);
+  std::ranges::for_each(more, add);
   pthread_sigmask(SIG_BLOCK, &watched, &before_);
   fd_ = Descriptor{signalfd(-1, &watched, SFD_CLOEXEC | SFD_NONBLOCK)};
 }

@@ -182,7 +182,9 @@ void CommandSink::intervene(TimeNs wall) {
 
 TimeNs CommandSink::beat(TimeNs wall) {
   const TimeNs next = transport_.beat ? transport_.beat(wall) : kNever;
-  if (settings_.emergency_stop.topic.empty() && settings_.manual.topic.empty()) {
+  if (transport_.lost_supervision && settings_.clock != CommandClock::lockstep) {
+    operator_.set_lost_supervision(transport_.lost_supervision(wall));
+  } else if (settings_.emergency_stop.topic.empty() && settings_.manual.topic.empty()) {
     return next;
   }
   intervene(wall);

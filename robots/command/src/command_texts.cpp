@@ -40,6 +40,12 @@ std::string stop_cause(StopReason reason, const CommandSettings& settings,
                        emergency.topic, format_time(emergency.timeout));
     case StopReason::stop_button:
       return "STOP is pressed in the live view";
+    case StopReason::suspended:
+      return "the run is suspended (Ctrl-Z); fg continues it";
+    case StopReason::unsupervised:
+      return "the launcher, or mpirun, is stopped (SIGSTOP) or hangs";
+    case StopReason::unguarded:
+      return "no guard answers, and guard_required is true";
     case StopReason::terminated:
     case StopReason::ended:
       break;

@@ -19,6 +19,11 @@ void OperatorInput::press_stop(bool pressed) {
   stop_pressed_ = pressed;
 }
 
+void OperatorInput::set_lost_supervision(std::optional<StopReason> reason) {
+  const std::lock_guard lock(mutex_);
+  lost_supervision_ = reason;
+}
+
 void OperatorInput::override_with(std::span<const double> values) {
   const std::lock_guard lock(mutex_);
   manual_.emplace(values.begin(), values.end());
@@ -31,7 +36,11 @@ void OperatorInput::apply(TimeNs wall, TimeNs now) {
     published = has_publishers_ && has_publishers_();
   }
   const std::lock_guard lock(mutex_);
-  channel_.hold(stop_pressed_ ? StopReason::stop_button : rule_.verdict(published, wall), now);
+  std::optional<StopReason> reason = rule_.verdict(published, wall);
+  if (stop_pressed_) {
+    reason = StopReason::stop_button;
+  }
+  channel_.hold(reason ? reason : lost_supervision_, now);
   if (manual_) {
     channel_.override_with(*manual_, now);
     manual_.reset();

@@ -10,6 +10,7 @@
 #include "diagnostics.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
+#include "spikeloop/guard/guard_timer.hpp"
 #include "spikeloop/status/signals.hpp"
 #include "spikeloop/status/status.hpp"
 #include "spikeloop/topics/names.hpp"
@@ -84,6 +85,9 @@ CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& addres
       publisher_(session, address.topic, address.message_type, address.fields,
                  settings.clock == command::CommandClock::wall),
       keep_(std::move(keep)),
+      watchdog_(settings.watchdog),
+      guard_required_(settings.guard_required),
+      supervised_(session.local() ? nullptr : std::make_unique<status::SupervisedRobot>()),
       guard_(session.local() ? nullptr
                              : std::make_unique<guard::Link>(
                                    guard_hello(session, address, settings, publisher_))),
@@ -113,6 +117,7 @@ command::CommandSink::Transport CommandEndpoint::transport() {
   if (!session_.local()) {
     transport.interrupted = [] { ::kill(::getpid(), SIGTERM); };
     transport.beat = [this](TimeNs now) { return beat(now); };
+    transport.lost_supervision = [this](TimeNs now) { return lost_supervision(now); };
   }
   return transport;
 }
@@ -135,12 +140,26 @@ void CommandEndpoint::finish() {
   publisher_.drain();
   if (guard_) {
     guard_->done();
+    supervised_->release();
   }
 }
 
 TimeNs CommandEndpoint::beat(TimeNs now) {
   leave_to_guard_if_dead();
   return std::min(guard_->beat(now), report(now));
+}
+
+std::optional<command::StopReason> CommandEndpoint::lost_supervision(TimeNs now) const {
+  switch (supervised_->state(now, guard::deadline_for(watchdog_))) {
+    case status::SupervisedRobot::State::suspended:
+      return command::StopReason::suspended;
+    case status::SupervisedRobot::State::silent:
+      return command::StopReason::unsupervised;
+    case status::SupervisedRobot::State::supervised:
+      break;
+  }
+  return guard_required_ && !guard_->guarded() ? std::optional(command::StopReason::unguarded)
+                                               : std::nullopt;
 }
 
 /// In the loop.

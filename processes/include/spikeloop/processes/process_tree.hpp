@@ -38,8 +38,12 @@ class ProcessTree {
   ProcessTree& operator=(const ProcessTree&) = delete;
 
   pid_t pid() const { return pid_; }
+  /// The process between us and the program.
+  pid_t subreaper() const { return subreaper_pid_; }
   /// Sends a signal to the program alone.
   void signal(int number) const;
+  /// Sends a signal to every process of the tree, the program first.
+  void signal_all(int number) const;
   /// SIGTERM to every process of the tree, SIGKILL to those left after one second.
   void end();
   /// SIGKILL to every process of the tree.

@@ -14,6 +14,15 @@ inline constexpr TimeNs kBeatPeriod = 20'000'000;
 /// beats may be that late on a busy machine.
 inline constexpr TimeNs kMargin = 100'000'000;
 
+/// Wall time without a beat of an adapter with this watchdog, or of its launcher, after which the
+/// robot is stopped.
+TimeNs deadline_for(TimeNs watchdog);
+
+/// Wall time between two beats of a guard to an adapter, and to the launcher.
+inline constexpr TimeNs kGuardBeatPeriod = 100'000'000;
+/// Wall time without a beat of the guard after which it counts as lost.
+inline constexpr TimeNs kGuardSilence = 500'000'000;
+
 /// A robot that is stopped gets this many zero commands, so that one is the last whatever was still
 /// on its way; then no more: somebody else may want to drive.
 inline constexpr int kZeros = 5;

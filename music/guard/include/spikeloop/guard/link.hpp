@@ -2,14 +2,18 @@
 #pragma once
 
 #include <atomic>
+#include <mutex>
+#include <string>
+#include <vector>
 
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/guard/protocol.hpp"
 
 namespace spikeloop::guard {
 
-/// Tells the guard that SPIKELOOP_GUARD names that we live. Without the variable every call does
-/// nothing. A guard that is not there is a warning: the job goes on without.
+/// Connection to the guard that SPIKELOOP_GUARD names. Without the variable every call does
+/// nothing. A guard that is missing, ends or hangs causes a warning; the link connects again as
+/// soon as a guard answers. All calls are safe from any thread, and none waits.
 class Link {
  public:
   /// Waits until the guard could stop the robot, at most 5 s.
@@ -17,25 +21,48 @@ class Link {
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
+  /// True if a guard has accepted this adapter and answers.
   bool guarded() const { return guarded_.load(); }
-  /// Whether somebody hears the guard's commands, too, as far as it has said; true without a guard.
-  /// Never waits. To be called from one thread.
-  bool reaches_robot();
-  /// To be called from the thread that stops the robot: its silence is what the guard waits for.
-  /// Never waits. Returns when to call again.
+  /// True if the guard is connected to the robot, or if there is no guard.
+  bool reaches_robot() const { return !guarded() || reaches_.load(); }
+  /// Sends a beat, reads what the guard has sent, and connects again if the guard has ended. Must
+  /// be called by the thread that stops the robot: the guard acts on the silence of that thread.
+  /// Returns when to call again.
   TimeNs beat(TimeNs now);
-  /// We cannot stop the robot any more: the guard does it at once. Safe to call from any thread.
+  /// This process cannot stop the robot any more: the guard stops it at once.
   void abandon();
-  /// The robot is stopped for good. Safe to call from any thread.
+  /// The robot is stopped, and this run does not drive it again.
   void done();
 
  private:
-  void introduce(const Hello& hello);
-  void go_without(const std::string& reason);
+  enum class State {
+    off,      ///< no guard is named, or it has refused, or the run is over
+    missing,  ///< to be connected again
+    asked,    ///< has been sent hello
+    accepted
+  };
+  using Lines = std::vector<std::pair<bool, std::string>>;  ///< true: a warning
 
+  // All are called under the lock; what is to be printed is added to `lines`.
+  bool connect(TimeNs now, Lines& lines);
+  void read(TimeNs now, Lines& lines);
+  void take(const Received& news, TimeNs now, Lines& lines);
+  void lose(const std::string& reason, TimeNs now, Lines& lines);
+  void check_silence(TimeNs now, Lines& lines);
+
+  void ask_first();
+  void leave(State state);
+
+  const Hello hello_;
+  std::string path_;
+  std::mutex mutex_;
+  State state_ = State::off;
   Descriptor socket_;
+  TimeNs due_ = 0;     ///< missing: of the next attempt; asked: of the answer
+  TimeNs heard_ = 0;   ///< when the guard was last heard
+  bool lost_ = false;  ///< a warning says that nobody guards the robot
   std::atomic<bool> guarded_{false};
-  bool reaches_ = false;
+  std::atomic<bool> reaches_{false};
 };
 
 }  // namespace spikeloop::guard

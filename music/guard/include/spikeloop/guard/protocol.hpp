@@ -1,9 +1,10 @@
 // What a command adapter, its guard and the launcher tell each other: packets of CBOR over a Unix
 // socket that knows when the other side has gone.
 //
-// An adapter says "hello" and gets "ready" or "refused", and "reaches" once somebody hears the
-// guard; it says "beat" until it is "done". A guard tells the launcher that started it "listening",
-// and "log" what the user is to read.
+// An adapter sends "hello" and receives "ready" or "refused", and "reaches" once a robot subscribes
+// to the guard; then both send "beat" until the adapter is "done". A guard sends to the launcher
+// that started it "listening", then "beat", "log" with text for the user, and "stopped" after the
+// zero commands to a robot whose adapter had died.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +24,7 @@ namespace spikeloop::guard {
 inline constexpr const char* kSocketVariable = "SPIKELOOP_GUARD";
 
 /// Both sides must be of the same.
-inline constexpr int kProtocol = 3;
+inline constexpr int kProtocol = 4;
 
 /// How a command adapter introduces itself.
 struct Hello {
@@ -49,6 +50,10 @@ std::string text_of(const nlohmann::json& packet, const char* key);
 
 /// Never waits. Returns 0 or an errno: EAGAIN when there is no room.
 int send_packet(int fd, const nlohmann::json& packet);
+
+/// Sends "beat" unless an earlier packet is still unread: beats must not fill the socket of a
+/// process that is stopped.
+void send_beat(int fd);
 
 struct Received {
   bool closed = false;   ///< the other side has gone, and all it said has been read

@@ -3,6 +3,7 @@
 
 #include <signal.h>
 
+#include <initializer_list>
 #include <optional>
 
 #include "spikeloop/processes/descriptor.hpp"
@@ -13,7 +14,8 @@ namespace spikeloop::status {
 /// process for as long as it lives.
 class SignalWatch {
  public:
-  SignalWatch();
+  /// @param more further signals to hold back, except those that are ignored
+  explicit SignalWatch(std::initializer_list<int> more = {});
   ~SignalWatch();
   SignalWatch(const SignalWatch&) = delete;
   SignalWatch& operator=(const SignalWatch&) = delete;

@@ -56,6 +56,7 @@ struct CommandSettings {
   std::vector<Bounds> bounds{};
   EmergencyStop emergency_stop{};
   Override manual{};
+  bool guard_required = false;  ///< the robot is stopped while no guard answers
 };
 
 /// Why a robot stands, as a sentence goes on behind "the robot is stopped: ".
@@ -82,6 +83,9 @@ class CommandSink : public Sink {
     std::function<void()> finish;         ///< nothing more comes: waits until all is on its way
     std::function<void()> interrupted{};  ///< SIGINT: ends the process as SIGTERM would
     std::function<TimeNs(TimeNs now)> beat{};  ///< as Watch::Actions::beat
+    /// After `beat`: reason to stop while nobody supervises or guards the robot. Not called in
+    /// lockstep, where no run depends on wall time.
+    std::function<std::optional<StopReason>(TimeNs now)> lost_supervision{};
     /// In the loop, before and after what a tick sends; `end` is its end. The first one throws when
     /// nothing leaves any more; false: nothing may leave yet, and the tick is let pass.
     std::function<bool(TimeNs end)> begin_tick{};

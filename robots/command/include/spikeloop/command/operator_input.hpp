@@ -1,4 +1,5 @@
-// What comes from people beside the network's commands: the emergency stop, and commands by hand.
+// Input other than the network's commands: the emergency stop, STOP of the live view, manual
+// commands, and whether the job is supervised.
 #pragma once
 
 #include <functional>
@@ -34,6 +35,9 @@ class OperatorInput {
   void emergency(bool stop, TimeNs wall);
   /// STOP of the live view, which no message releases; the same.
   void press_stop(bool pressed);
+  /// Reason to stop while nobody supervises or guards the robot; nullopt: it may be driven. Takes
+  /// effect when apply() is called.
+  void set_lost_supervision(std::optional<StopReason> reason);
   void override_with(std::span<const double> values);
   /// @param wall by which the emergency stop's timeout is judged
   /// @param now the channel's time
@@ -45,6 +49,7 @@ class OperatorInput {
   std::mutex mutex_;
   EmergencyRule rule_;
   bool stop_pressed_ = false;
+  std::optional<StopReason> lost_supervision_;
   CommandChannel& channel_;
   std::optional<std::vector<double>> manual_;  ///< the newest that has not counted yet
 };

@@ -18,10 +18,13 @@ enum class StopReason : std::uint8_t {
   emergency,          ///< the emergency stop says so
   emergency_unknown,  ///< nobody says whether the emergency stop is pressed
   stop_button,        ///< STOP is pressed in the live view
+  suspended,          ///< Ctrl-Z has suspended the launcher
+  unsupervised,       ///< the launcher, or what is between it and this process, is silent
+  unguarded,          ///< no guard answers, and the command requires one
   terminated,         ///< SIGTERM, SIGINT, or an error
   ended               ///< the run is over
 };
-inline constexpr std::size_t kStopReasons = 12;
+inline constexpr std::size_t kStopReasons = 15;
 
 /// "data_too_old", ...: the name in counters.
 std::string_view stop_reason_name(StopReason reason);

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "spikeloop/command/command_sink.hpp"
 #include "spikeloop/guard/link.hpp"
 #include "spikeloop/status/signals.hpp"
+#include "spikeloop/status/supervision.hpp"
 #include "spikeloop/topics/publisher.hpp"
 #include "spikeloop/topics/session.hpp"
 #include "spikeloop/topics/topic_source.hpp"
@@ -76,6 +78,7 @@ class CommandEndpoint {
   void keep_sent();
   command::CommandSink::Transport transport();
   TimeNs beat(TimeNs now);
+  std::optional<command::StopReason> lost_supervision(TimeNs now) const;
   void leave_to_guard_if_dead();
   bool may_begin();
   bool drives_unguarded(std::span<const double> values) const;
@@ -95,8 +98,11 @@ class CommandEndpoint {
   std::vector<std::vector<std::byte>> sent_;  ///< since the tick before, for `keep_`
   std::atomic<std::uint64_t> count_{0};
   std::string stood_at_end_;
-  std::unique_ptr<guard::Link> guard_;        ///< none on a local session
-  std::unique_ptr<Diagnostics> diagnostics_;  ///< none for a robot that is stepped
+  const TimeNs watchdog_;
+  const bool guard_required_;
+  std::unique_ptr<status::SupervisedRobot> supervised_;  ///< none on a local session
+  std::unique_ptr<guard::Link> guard_;                   ///< none on a local session
+  std::unique_ptr<Diagnostics> diagnostics_;             ///< none for a robot that is stepped
   command::CommandSink sink_;
   std::unique_ptr<CommandTopics> topics_;  ///< end before what they bring goes to
   std::unique_ptr<status::TerminationHook> on_termination_;

@@ -1,0 +1,56 @@
+// The thread of the launcher that shows command adapters that their job is supervised.
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "spikeloop/status/supervision.hpp"
+
+namespace spikeloop::launch {
+
+/// Beats every 20 ms while all processes that supervise the job run. A thread of its own, because
+/// the launcher's loop may wait for a terminal or a disk.
+class SupervisionThread {
+ public:
+  /// @param path of the file that is made for the adapters @throws FileError
+  explicit SupervisionThread(const std::string& path);
+  ~SupervisionThread();
+  SupervisionThread(const SupervisionThread&) = delete;
+  SupervisionThread& operator=(const SupervisionThread&) = delete;
+
+  /// Processes without which nobody supervises the job: no beats while one of them is stopped by
+  /// SIGSTOP or SIGTSTP.
+  void require(std::vector<pid_t> processes);
+  /// The guard is continued (SIGCONT) as soon as it is stopped. 0: there is none.
+  void set_guard(pid_t guard) { guard_.store(guard); }
+  /// True: robots are stopped until this is called with false.
+  void suspend(bool suspended) { page_.suspend(suspended); }
+
+  /// The first of require() that is stopped; 0: all run.
+  pid_t stopped_process() const { return stopped_.load(); }
+  /// As status::Supervision.
+  int robots() const { return page_.robots(); }
+  /// True if the guard was continued since the last call.
+  bool has_continued_guard() { return continued_.exchange(false); }
+
+ private:
+  void run();
+  pid_t find_stopped();
+  void continue_guard();
+
+  status::Supervision page_;
+  std::mutex mutex_;
+  std::vector<pid_t> required_;
+  std::atomic<pid_t> guard_{0};
+  std::atomic<pid_t> stopped_{0};
+  std::atomic<bool> continued_{false};
+  std::atomic<bool> ending_{false};
+  std::thread thread_;
+};
+
+}  // namespace spikeloop::launch
