@@ -13,8 +13,8 @@ import sys
 import tempfile
 import time
 
+import loop
 import robots
-import time_to_zero
 from robots import ros
 
 OK, WARN, ERROR = range(3)  # diagnostic_msgs/DiagnosticStatus
@@ -62,9 +62,9 @@ def stop_and_release(person, printed):
     ros.until(person.may_press_stop, "a run that hears the emergency stop")
     begin = time.monotonic()
     person.press_stop(True)
-    assert person.time_to_zero_ms(begin) < time_to_zero.MARGIN_MS
+    assert person.time_to_zero_ms(begin) < loop.MARGIN_MS
     time.sleep(0.5)
-    pressed = begin + time_to_zero.MARGIN_MS / 1e3
+    pressed = begin + loop.MARGIN_MS / 1e3
     assert not person.drives_since(pressed), "driven while the emergency stop is pressed"
     await_diagnosis(person, ERROR, "the robot is stopped: emergency stop on topic '/emergency_stop'")
     assert "stops_emergency_stop 1, " in person.diagnosis[1], person.diagnosis
@@ -108,7 +108,7 @@ def drive_by_hand(person, printed):
 def lose_a_sensor(person, printed):
     begin = time.monotonic()
     person.odometry(False)
-    assert person.time_to_zero_ms(begin) < 400 + 2 * time_to_zero.MARGIN_MS
+    assert person.time_to_zero_ms(begin) < 400 + 2 * loop.MARGIN_MS
     ros.until(lambda: "with a reading on topic '/odom' for 400 ms" in printed.read_text(), "the topic's name", 5)
     person.odometry(True)
     ros.until(person.is_driven, "driving when it is back", 10)
@@ -122,7 +122,7 @@ def run_that_drives(person, version, layout, out, *options, experiment=EXPERIMEN
     person.forget()
     with open(printed, "w", encoding="utf-8") as log:
         process = subprocess.Popen(
-            [*time_to_zero.command(out.parent / "people.yaml", version, layout), "--out", out, *options],
+            [*loop.command(out.parent / "people.yaml", version, layout), "--out", out, *options],
             stdout=log, stderr=log)
     try:
         ros.until(lambda: person.is_driven() or process.poll() is not None, "a command", 90)

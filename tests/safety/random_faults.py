@@ -14,29 +14,24 @@ killed, and takes another one that has the same port.
 """
 
 import argparse
-import contextlib
 import os
 import pathlib
 import random
 import signal
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
 
+import loop
 import robots
-import time_to_zero
-from robots import ros
-from time_to_zero import MARGIN_MS, WATCHDOG_MS, jobs
+from faulty_run import FaultyRun, jobs
+from loop import LAYOUTS, MARGIN_MS, PROGRAMS, WATCHDOG_MS
 
-PROGRAMS = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"])
-WITHOUT_SCRIPT = time_to_zero.EXPERIMENT.replace(
-    "  brain: {simulator: python, script: brain.py}\n", "").replace(
-    "[10] -> brain.in [10]\n  - brain.out -> decoder [10]", "-> decoder [10]")
 SIGNALS = ["KILL", "KILL", "TERM", "INT", "HUP", "QUIT", "SEGV", "ABRT", "STOP"]
 PHASES = ["start", "driven", "driven", "end"]
 START_S, STALL_S = 20, 4
+STANDS_S = 0.5  # a robot at rest is recognised by then
 LONGEST_S = START_S + STALL_S + 20  # mpirun has 10 s to end, and the launcher waits for the guard
 GOES_ON_S = 1.5  # a robot that is still driven then belongs to a run that bears the fault
 
@@ -46,7 +41,7 @@ class Launch:
 
     def __init__(self, dice, layout):
         self.layout = layout
-        self.text = WITHOUT_SCRIPT if layout != "music" and dice.random() < 0.5 else time_to_zero.EXPERIMENT
+        self.script = layout == "music" or dice.random() < 0.5
         self.phase = dice.choice(PHASES)
         self.signal = dice.choice(SIGNALS)
         self.moment_s = dice.uniform(0, {"start": 1.5, "driven": 0.5, "end": 0.3}[self.phase])
@@ -55,114 +50,81 @@ class Launch:
 
     def run(self, robot):
         with tempfile.TemporaryDirectory(prefix="faults-") as name:
-            self.folder = pathlib.Path(name)
-            (self.folder / "faults.yaml").write_text(self.text)
-            (self.folder / "brain.py").write_text(time_to_zero.BRAIN)
-            (self.folder / "tmp").mkdir()
+            folder = pathlib.Path(name)
+            words = loop.command(loop.write(folder, loop.experiment(self.script)), robot.version, self.layout)
             before = shared_files()
-            robot.forget()
             robot.scans(True)
             started = time.monotonic()
-            with open(self.folder / "printed", "w", encoding="utf-8") as log:
-                self.process = subprocess.Popen(
-                    [*time_to_zero.command(self.folder / "faults.yaml", robot.version, self.layout), "--out", "run",
-                     "--start-timeout", str(START_S), "--stall-timeout", str(STALL_S)],
-                    cwd=self.folder, env=dict(os.environ, SPIKELOOP_FAULTS=name, TMPDIR=f"{name}/tmp"),
-                    stdout=log, stderr=log, start_new_session=True)
+            run = FaultyRun(robot, [*words, "--start-timeout", str(START_S), "--stall-timeout", str(STALL_S)], folder)
             try:
-                self.strike(robot)
-                self.hung = not self.end(robot)
+                self.strike(run)
+                self.hung = not self.end(run)
             except AssertionError as error:  # it does not drive the robot
-                print(error, (self.folder / "printed").read_text(errors="replace"), sep="\n")
+                print(error, run.printed(), sep="\n")
                 self.hung = True
             finally:
-                self.left = self.left_processes()
+                if self.signal == "STOP":  # a guard that was stopped ends when it goes on
+                    jobs.send(run.processes(), signal.SIGCONT)
+                self.left = run.left_behind()
+                run.close()
+            self.exit_code = run.exit_code()
             self.taken_s = time.monotonic() - started
-            self.files = [*(self.folder / "tmp").iterdir(), *(shared_files() - before)]
-            lines = (self.folder / "printed").read_text(errors="replace").replace("\r", "\n").splitlines()
+            self.files = shared_files() - before
+            lines = run.printed().replace("\r", "\n").splitlines()
             self.reason = ([line for line in lines if line.startswith("spikeloop: ")] or [""])[-1]
             self.last_command = robot.last()
 
-    def strike(self, robot):
+    def strike(self, run):
         if self.phase != "start":
-            ros.until(lambda: robot.is_driven() or self.process.poll() is not None, "a command", 90)
+            run.await_driven(robots.Robot.is_driven)
         if self.phase == "end":
-            self.process.send_signal(signal.SIGINT)
+            run.send_ctrl_c()
         time.sleep(self.moment_s)
-        candidates = self.family()
-        if not candidates:
+        candidates = run.find()
+        if run.exit_code() is not None or not candidates:
             return
         pid, self.target = self.dice.choice(sorted(candidates.items()))
         if self.target == "launcher" and self.signal == "STOP":
             self.signal = "KILL"  # nobody else would end the run
         if self.target == "mpirun" and self.signal == "ABRT":
             self.signal = "KILL"  # mpirun passes that one on to the programs
-        driven = self.phase == "driven" and robot.is_driven()
+        driven = self.phase == "driven" and run.robot.is_driven()
         begin = time.monotonic()
-        send([pid], getattr(signal, f"SIG{self.signal}"))
+        jobs.send([pid], getattr(signal, f"SIG{self.signal}"))
         if driven:
-            robot.time_to_zero_ms(begin, GOES_ON_S)
-            time.sleep(time_to_zero.STANDS_S)
-            self.driven_on = robot.is_driven()
+            run.robot.time_to_zero_ms(begin, GOES_ON_S)
+            time.sleep(STANDS_S)
+            self.driven_on = run.robot.is_driven()
             if self.is_fatal() and not self.driven_on:
-                self.rest_ms = robot.time_to_rest_ms(begin)
+                self.rest_ms = run.robot.time_to_rest_ms(begin)
                 self.bound_ms = MARGIN_MS + self.deadline_ms()
 
     def deadline_ms(self):
         """docs/safety.md."""
-        if self.target in ("experiment", "wheels", "control"):
+        if self.target in ("experiment", "wheels"):
             return WATCHDOG_MS + 100 if self.signal == "STOP" else 0
         return WATCHDOG_MS
 
-    def family(self):
-        """Names of the run's processes, by id."""
-        found = {}
-        for pid, (words, environment) in jobs.processes_of(self.process.pid).items():
-            section = next((word.removeprefix("_MUSIC_CONFIG_=").split(":")[0] for word in environment
-                            if word.startswith("_MUSIC_CONFIG_=")), "")
-            program = {"spikeloop-fused": "experiment", "spikeloop": "subreaper", "orterun": "mpirun"}.get(
-                words[-1], words[-1])
-            found[pid] = "launcher" if pid == self.process.pid else section or program
-        with contextlib.suppress(AssertionError):
-            found[jobs.guard_of(self.process.pid)] = "guard"
-        return found
-
-    def end(self, robot):
+    def end(self, run):
         """Whether the run ends in time; by Ctrl-C where it bears the fault."""
         deadline = time.monotonic() + LONGEST_S
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self.process.wait(GOES_ON_S + STALL_S if self.signal == "STOP" else GOES_ON_S)
-        while self.process.poll() is None and time.monotonic() < deadline:
-            if robot.is_driven() or self.phase == "start":
-                self.process.send_signal(signal.SIGINT)
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                self.process.wait(5)
-        return self.process.poll() is not None
-
-    def left_processes(self):
-        """Those that are there 5 s after the end: the launcher may have been killed. They are ended. A guard that
-        was stopped ends when it goes on."""
-        marker = f"SPIKELOOP_FAULTS={self.folder}"
-        deadline = time.monotonic() + 5
-        while (left := jobs.with_environment(marker)) and time.monotonic() < deadline:
-            if self.signal == "STOP":
-                send(left, signal.SIGCONT)
-            time.sleep(0.05)
-        send(left, signal.SIGKILL)
-        self.process.wait()
-        return left
+        run.await_end(GOES_ON_S + STALL_S if self.signal == "STOP" else GOES_ON_S)
+        while run.exit_code() is None and time.monotonic() < deadline:
+            if run.robot.is_driven() or self.phase == "start":
+                run.send_ctrl_c()
+            run.await_end(5)
+        return run.exit_code() is not None
 
     def complaints(self):
         late = self.rest_ms is not None and self.rest_ms > self.bound_ms
         # Helpers have no part in a run's reason; of a program that checks a section the launcher names the section.
         nameless = self.target not in ("mpirun", "experiment", "scan", "encoder", "brain", "decoder", "wheels")
         named = "" if nameless else self.target.replace("experiment", "spikeloop-fused")
-        silent = self.process.returncode > 0 and self.process.returncode != 130 and named not in self.reason and (
-            "its check ended" not in self.reason)
+        silent = self.exit_code not in (0, 130) and named not in self.reason and "its check ended" not in self.reason
         found = {
             "hung": self.hung,
             "ended by itself": self.target == "nothing" and self.phase != "end",
-            f"left processes {self.left}": self.left,
+            f"left behind: {', '.join(self.left)}": self.left,
             f"left files {[str(file) for file in self.files]}": self.files,
             f"the last command is {self.last_command}": self.last_command not in (None, 0),
             "the robot was driven on": self.driven_on and self.is_fatal(),
@@ -172,19 +134,13 @@ class Launch:
 
     def is_fatal(self):
         """A program of the loop, or the launcher, has gone or stands still."""
-        return self.target not in ("guard", "subreaper", "mpirun", "nothing") and (
+        return self.target not in ("guard", "supervisor", "cleaner", "mpirun", "nothing") and (
             self.signal in ("KILL", "SEGV", "ABRT", "QUIT", "STOP"))
 
     def __str__(self):
         stood = "" if self.rest_ms is None else f", stood after {self.rest_ms:.0f} ms"
         return (f"{self.layout}, {self.phase} + {self.moment_s:.2f} s, SIG{self.signal} to {self.target}: exit code "
-                f"{self.process.returncode} after {self.taken_s:.1f} s{stood}: {self.reason}")
-
-
-def send(pids, number):
-    for pid in pids:
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(pid, number)
+                f"{self.exit_code} after {self.taken_s:.1f} s{stood}: {self.reason}")
 
 
 def shared_files():
@@ -204,7 +160,7 @@ def main():
         with tempfile.TemporaryDirectory() as scratch, robots.robot(
                 version, PROGRAMS, pathlib.Path(scratch)) as robot:
             for number in range(arguments.launches // len(versions)):
-                launch = Launch(random.Random(dice.getrandbits(64)), list(time_to_zero.LAYOUTS)[number % 3])
+                launch = Launch(random.Random(dice.getrandbits(64)), LAYOUTS[number % 3])
                 launch.run(robot)
                 launches.append(launch)
                 complaints = launch.complaints()

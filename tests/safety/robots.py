@@ -57,6 +57,9 @@ class Robot:
             time.sleep(0.002)
         return float("inf")
 
+    def has_stopped_since(self, begin):
+        return any(at > begin and value == 0 for at, value in self.heard)
+
     def drives_since(self, begin):
         """What came since then and was no zero."""
         return [value for at, value in self.heard if at > begin and value != 0]
