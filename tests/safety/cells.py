@@ -105,8 +105,7 @@ def _disturb(cell, fault, run):
     if ended or not run.robot.is_driven():
         cell.then = "ended" if ended else "at rest"
     else:
-        undone = fault.undo is not None or cell.effect == "stopped" or cell.rest_ms != NEVER
-        cell.then = "continued" if undone else "driven on"
+        cell.then = "driven on" if cell.rest_ms == NEVER else "continued"
 
 
 def _finish(cell, run):

@@ -24,14 +24,21 @@ def outcome(cell):
     return {"continued": "continues", "driven on": "goes on"}.get(cell.then, cell.then)
 
 
+def _general(text):
+    """The text without what differs between layouts and runs: names of processes, their numbers."""
+    text = re.sub(r"\b(process|pid) \d+", r"\1 N", text.replace("|", "/"))
+    text = re.sub(r"^\w+: warning: (node '\w+': )?", "warning: ", text)
+    return re.sub(r"^('\w+' \([\w.-]+\)|spikeloop-fused)(?= (was|ended))", "PROCESS", text)
+
+
 def decisive_line(cell):
     """The reason if the run has ended, else the first line after the fault."""
     own = [line for line in cell.lines if line.startswith("spikeloop: ")] or [
         line for line in cell.lines if ": " in line]
     if not own:
         return "nothing"
-    line = own[-1] if cell.then == "ended" else own[0]
-    text = re.sub(r"\b(process|pid) \d+", r"\1 N", line.removeprefix("spikeloop: ").replace("|", "/"))
+    line = (own[-1] if cell.then == "ended" else own[0]).split("; its last line: ")[0]
+    text = _general(line.removeprefix("spikeloop: "))
     return f"after SIGCONT: {text}" if cell.printed_later and cell.effect == "stopped" else text
 
 
@@ -52,7 +59,7 @@ def _times(cells, fault):
         both = [short_time(cells[key]) for ros in "12" if (key := (fault.name, layout, ros)) in cells]
         if len(both) == 2 and all(text.endswith(" ms") for text in both):
             return f"{both[0].removesuffix(' ms')}, {both[1]}"
-        return ", ".join(dict.fromkeys(both))
+        return ", ".join(dict.fromkeys(both)) or "-"
     return [column(layout) for layout in LAYOUTS]
 
 

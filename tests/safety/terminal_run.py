@@ -27,7 +27,7 @@ class TerminalRun(FaultyRun):
         self.log.touch()
         threading.Thread(target=self._read, daemon=True).start()
         self._type(f"{shlex.join(self.words)}\n")
-        ros.until(lambda: "launcher" in vars(self) or self._find_launcher(), "the start of the launcher", 20)
+        ros.until(self._find_launcher, "the start of the launcher", 20)
 
     def _find_launcher(self):
         for pid, (words, _) in jobs.processes_of(self.process.pid).items():
@@ -41,7 +41,8 @@ class TerminalRun(FaultyRun):
                 try:
                     log.write(os.read(self._terminal, 4096))
                 except OSError:  # the shell has ended
-                    return
+                    break
+        os.close(self._terminal)
 
     def _type(self, text):
         os.write(self._terminal, text.encode())
@@ -49,9 +50,10 @@ class TerminalRun(FaultyRun):
     def exit_code(self):
         """Asks the shell when the launcher has ended."""
         if self._code is None and not jobs.state(self.launcher):
-            self._type('echo "exit code $?"\n')
-            ros.until(lambda: re.search(r"exit code \d", self.printed()), "the exit code in the terminal", 20)
-            self._code = int(re.search(r"exit code (\d+)", self.printed())[1])
+            self._type('echo "code of the run: $?"\n')
+            answer = re.compile(r"code of the run: (\d+)\s")
+            ros.until(lambda: answer.search(self.printed()), "the exit code in the terminal", 20)
+            self._code = int(answer.search(self.printed())[1])
             self._type("exit\n")
             self.process.wait(20)
         return self._code
