@@ -118,7 +118,8 @@ class FaultyRun:
                 *(f"/tmp/{path.name}" for path in (self.folder / "tmp").iterdir())]
 
     def close(self):
-        """Ends what is left, whatever happened."""
+        """Ends what is left, whatever happened: the launcher and its cleaner cannot remove their folders then."""
+        self.find()
         jobs.send(self.processes(), signal.SIGKILL)
         with contextlib.suppress(subprocess.TimeoutExpired):
             self.process.wait(10)
