@@ -110,10 +110,13 @@ TEST_F(CommandChannelTest, silence_stops_until_the_next_tick) {
   EXPECT_EQ(next_, 100 * kMs);
   EXPECT_EQ(channel_.poll(100 * kMs), 200 * kMs);
   EXPECT_EQ(sent_.size(), 2u);
-  EXPECT_EQ(channel_.stop(StopReason::silent, 150 * kMs), kNever);
+  EXPECT_EQ(channel_.stop(StopReason::silent, 150 * kMs), 250 * kMs);
   EXPECT_THAT(sent_.back(), ElementsAre(0, 0));
-  EXPECT_EQ(channel_.poll(1000 * kMs), kNever);
-  EXPECT_EQ(sent_.size(), 3u);
+  for (TimeNs t = 151 * kMs; t <= 1000 * kMs; t += kMs) {
+    channel_.poll(t);
+  }
+  EXPECT_EQ(sent_.size(), 3u + 8) << "repeated at 250, 350, ..., 950 ms";
+  EXPECT_THAT(sent_.back(), ElementsAre(0, 0));
   command(0.5, 0.1, 1001 * kMs);
   EXPECT_THAT(sent_.back(), ElementsAre(0.5, 0.1));
   EXPECT_EQ(count("resumed"), 1u);
@@ -129,14 +132,15 @@ TEST_F(CommandChannelTest, requests_from_outside_always_send_a_zero) {
 
 // mpirun sends SIGCONT when a program has died, and SIGTERM a second later: in between, the loop
 // may go on ticking.
-TEST_F(CommandChannelTest, after_a_continue_nothing_leaves_until_mpirun_would_have_ended_the_job) {
+TEST_F(CommandChannelTest, after_a_continue_no_command_until_mpirun_would_have_ended_the_job) {
   const double forward[] = {1.0, 0.0};
   channel_.command(forward, 0);
   channel_.stop(StopReason::continued, 10 * kMs);
   EXPECT_EQ(channel_.stopped_by(), StopReason::continued);
-  EXPECT_EQ(channel_.command(forward, 20 * kMs), kNever);
-  EXPECT_EQ(channel_.command(forward, kContinuedPause + 9 * kMs), kNever);
+  channel_.command(forward, 20 * kMs);
   EXPECT_THAT(sent_, ElementsAre(ElementsAre(1, 0), ElementsAre(0, 0)));
+  channel_.command(forward, kContinuedPause + 9 * kMs);
+  EXPECT_THAT(sent_.back(), ElementsAre(0, 0));
   channel_.command(forward, kContinuedPause + 10 * kMs);
   EXPECT_THAT(sent_.back(), ElementsAre(1, 0));
   EXPECT_EQ(channel_.stopped_by(), std::nullopt);
@@ -157,12 +161,25 @@ TEST_F(CommandChannelTest, no_other_stop_shortens_the_pause_after_a_continue) {
   }
 }
 
+TEST_F(CommandChannelTest, zeros_are_repeated_after_a_continue_until_a_command) {
+  command(1, 0, 0);
+  channel_.stop(StopReason::continued, 10 * kMs);
+  for (TimeNs t = 11 * kMs; t <= 2010 * kMs; t += kMs) {
+    channel_.poll(t);
+  }
+  EXPECT_EQ(sent_.size(), 1u + 1 + 20);
+  EXPECT_THAT(sent_.back(), ElementsAre(0, 0));
+  command(1, 0, 2011 * kMs);
+  EXPECT_THAT(sent_.back(), ElementsAre(1, 0));
+}
+
 TEST_F(CommandChannelTest, zeros_are_repeated_in_the_pause_after_a_continue) {
   command(1, 0, 0);
   channel_.stop(StopReason::continued, 10 * kMs);
   channel_.stop(StopReason::stale, 11 * kMs);
   command(1, 0, 12 * kMs);
   EXPECT_EQ(next_, 111 * kMs);
+  command(1, 0, 110 * kMs);
   channel_.poll(111 * kMs);
   EXPECT_THAT(sent_, ElementsAre(ElementsAre(1, 0), ElementsAre(0, 0), ElementsAre(0, 0),
                                  ElementsAre(0, 0)));

@@ -109,6 +109,23 @@ TEST(CommandGate, force_and_forget) {
   EXPECT_TRUE(offer(g, 1, 1, 3 * kMs));
 }
 
+TEST(CommandGate, a_forced_command_is_repeated_within_bounds) {
+  const auto repeated_after = [](TimeNs min_interval, TimeNs period) {
+    CommandGate g = gate(0.02, min_interval, period, 50 * kMs);
+    const double zero[] = {0, 0};
+    g.force(zero, kMs);
+    EXPECT_FALSE(g.poll(g.next_due() - 1));
+    const TimeNs due = g.next_due();
+    EXPECT_TRUE(g.poll(due));
+    return due - kMs;
+  };
+  EXPECT_EQ(repeated_after(kMs, 50 * kMs), 50 * kMs);
+  EXPECT_EQ(repeated_after(kMs, 0), kLongestRepetition);
+  EXPECT_EQ(repeated_after(kMs, 1000 * kMs), kLongestRepetition);
+  EXPECT_EQ(repeated_after(0, 1), kShortestRepetition);
+  EXPECT_EQ(repeated_after(300 * kMs, 300 * kMs), 300 * kMs);
+}
+
 // Random commands and times: never closer than the least interval, never rarer than the period.
 TEST(CommandGate, intervals_stay_within_their_bounds) {
   std::mt19937 engine(3);

@@ -38,11 +38,8 @@ TimeNs CommandChannel::command(std::span<const double> values, TimeNs now) {
     return kNever;
   }
   network_stop_.reset();
-  // Whatever else has stopped the robot since then.
-  if (now < suspended_until_) {
-    return state_ == State::stopped ? gate_.next_due() : kNever;
-  }
-  if (held_) {
+  // The pause lasts whatever else has stopped the robot since it began.
+  if (held_ || now < suspended_until_) {
     return repeat_zero(now);
   }
   return still_overridden(now) ? drive_by_hand(now) : drive(values, now);
@@ -65,17 +62,17 @@ TimeNs CommandChannel::stop(StopReason reason, TimeNs now) {
   }
   ++stops_[static_cast<std::size_t>(reason)];
   reason_ = reason;
-  enter(is_final(reason) ? State::closed : State::suspended, now);
+  enter(is_final(reason) ? State::closed : State::stopped, now);
   overridden_ = false;
   if (reason == StopReason::continued) {
     suspended_until_ = now + kContinuedPause;
   }
   send_zero(now);
-  return kNever;
+  return next_due();
 }
 
 void CommandChannel::enter(State state, TimeNs now) {
-  const bool stands = state == State::stopped || state == State::suspended;
+  const bool stands = state == State::stopped;
   if (stands && !stands_since_) {
     stands_since_ = now;
   } else if (!stands && stands_since_) {
@@ -105,9 +102,9 @@ TimeNs CommandChannel::stop_network(StopReason reason, TimeNs now) {
   }
   ++stops_[static_cast<std::size_t>(reason)];
   reason_ = reason;
-  enter(is_from_loop(reason) ? State::stopped : State::suspended, now);
+  enter(State::stopped, now);
   send_zero(now);
-  return state_ == State::stopped ? gate_.next_due() : kNever;
+  return next_due();
 }
 
 void CommandChannel::hold(std::optional<StopReason> reason, TimeNs now) {
@@ -184,10 +181,10 @@ TimeNs CommandChannel::drive(std::span<const double> values, TimeNs now) {
 }
 
 TimeNs CommandChannel::repeat_zero(TimeNs now) {
-  if (gate_.offer(zero_, now)) {
+  if (state_ == State::stopped && gate_.poll(now)) {
     publish_(zero_);
   }
-  return gate_.next_due();
+  return next_due();
 }
 
 void CommandChannel::send_zero(TimeNs now) {
@@ -196,6 +193,9 @@ void CommandChannel::send_zero(TimeNs now) {
 }
 
 TimeNs CommandChannel::next_due() const {
+  if (state_ != State::running && state_ != State::stopped) {
+    return kNever;
+  }
   return std::min(gate_.next_due(), overridden_ ? override_until_ : kNever);
 }
 
@@ -204,14 +204,19 @@ TimeNs CommandChannel::poll(TimeNs now) {
   if (overridden_ && !still_overridden(now) && network_stop_) {
     return stop_network(*network_stop_, now);
   }
-  if (state_ != State::running && state_ != State::stopped) {
-    return kNever;
-  }
-  if (gate_.poll(now)) {
+  const bool may_send = state_ == State::running || state_ == State::stopped;
+  if (may_send && gate_.poll(now)) {
     commands_ += state_ == State::running ? 1 : 0;
     publish_(gate_.current());
   }
   return next_due();
+}
+
+void CommandChannel::repeat_stop(TimeNs now) {
+  const std::lock_guard lock(mutex_);
+  if (state_ == State::stopped) {
+    send_zero(now);
+  }
 }
 
 CommandChannel::Standing CommandChannel::standing() const {

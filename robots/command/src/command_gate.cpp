@@ -32,6 +32,11 @@ TimeNs CommandGate::due() const {
   if (!sent_) {
     return std::numeric_limits<TimeNs>::min();
   }
+  if (forced_) {
+    const TimeNs period = settings_.period == 0 ? kLongestRepetition : settings_.period;
+    return last_time_ + std::max({std::min(period, kLongestRepetition), kShortestRepetition,
+                                  settings_.min_interval});
+  }
   if (moved()) {
     return last_time_ + settings_.min_interval - settings_.tolerance;
   }
@@ -49,6 +54,7 @@ bool CommandGate::send(TimeNs now) {
 bool CommandGate::offer(std::span<const double> command, TimeNs now) {
   std::ranges::copy(command, current_.begin());
   any_ = true;
+  forced_ = false;
   return now >= due() && send(now);
 }
 
@@ -58,19 +64,21 @@ bool CommandGate::poll(TimeNs now) {
 
 TimeNs CommandGate::next_due() const {
   const TimeNs time = due();
-  const bool repetition = any_ && sent_ && time != kNever && !moved();
+  const bool repetition = any_ && sent_ && !forced_ && time != kNever && !moved();
   return repetition ? time + settings_.grace : time;
 }
 
 void CommandGate::force(std::span<const double> command, TimeNs now) {
   std::ranges::copy(command, current_.begin());
   any_ = true;
+  forced_ = true;
   send(now);
 }
 
 void CommandGate::forget() {
   any_ = false;
   sent_ = false;
+  forced_ = false;
 }
 
 }  // namespace spikeloop::command

@@ -184,13 +184,15 @@ TimeNs CommandSink::beat(TimeNs wall) {
   const TimeNs next = transport_.beat ? transport_.beat(wall) : kNever;
   if (transport_.lost_supervision && settings_.clock != CommandClock::lockstep) {
     operator_.set_lost_supervision(transport_.lost_supervision(wall));
-  } else if (settings_.emergency_stop.topic.empty() && settings_.manual.topic.empty()) {
-    return next;
   }
   intervene(wall);
   if (settings_.clock == CommandClock::wall) {
-    // Also while the loop is silent: a manual command has its end.
+    // Also while the loop is silent: zeros are repeated, and a manual command times out.
     channel_.poll(now());
+  } else if (settings_.clock == CommandClock::simulated && wall >= next_repetition_) {
+    // The simulated time may stand still.
+    channel_.repeat_stop(now());
+    next_repetition_ = wall + kLongestRepetition;
   }
   return std::min(next, wall + kLook);
 }

@@ -41,16 +41,16 @@ class CommandChannel {
   /// A command with a value that is not finite is never sent: it stops the robot.
   TimeNs command(std::span<const double> values, TimeNs now);
 
-  /// Sends a zero command at once, past all rules. After the loop's reasons, which it says again
-  /// every tick, zeros are repeated at the command's period; after `silent` nothing more leaves
-  /// until the next tick's command, after `continued` not for another kContinuedPause: mpirun sends
-  /// SIGCONT when a program has died, and SIGTERM 1 s later. After `terminated` and `ended` nothing
-  /// more leaves at all. Before the first command only a request from outside the loop sends
-  /// anything. While manual commands hold, the loop's reasons and `silent` wait for their end.
+  /// Sends a zero command at once, past all rules, and repeats it (see CommandGate) until the robot
+  /// is driven again: a message can be lost, and a robot can connect later. After `continued` no
+  /// command is sent for kContinuedPause: mpirun sends SIGCONT when a program has died, and SIGTERM
+  /// 1 s later. After `terminated` and `ended` nothing more leaves at all. Before the first command
+  /// only a request from outside the loop sends anything. While manual commands hold, the loop's
+  /// reasons and `silent` wait for their end.
   TimeNs stop(StopReason reason, TimeNs now);
 
   /// As long as there is a reason (of the emergency stop), nothing but zeros leaves: at once, and
-  /// repeated at the command's period.
+  /// repeated.
   void hold(std::optional<StopReason> reason, TimeNs now);
 
   /// A command by hand: leaves in place of the network's, as far as the bounds let it, until none
@@ -66,6 +66,8 @@ class CommandChannel {
 
   /// Sends what is due between ticks; returns when to call again.
   TimeNs poll(TimeNs now);
+  /// Sends the zero of a stopped robot again, due or not: for a caller whose clock may stand still.
+  void repeat_stop(TimeNs now);
 
   struct Standing {
     /// Why the robot stands; nothing while it is driven, and before the first command.
@@ -87,7 +89,7 @@ class CommandChannel {
   std::vector<Counter> counters() const;
 
  private:
-  enum class State : std::uint8_t { idle, running, stopped, suspended, closed };
+  enum class State : std::uint8_t { idle, running, stopped, closed };
 
   // All below are called under the lock.
   void enter(State state, TimeNs now);
@@ -105,7 +107,7 @@ class CommandChannel {
   Publish publish_;
   std::vector<double> zero_;
   State state_ = State::idle;
-  std::optional<TimeNs> stands_since_;  ///< while it is stopped or suspended
+  std::optional<TimeNs> stands_since_;  ///< while it is stopped
   TimeNs stood_for_ = 0;                ///< before that
   StopReason reason_ = StopReason::no_value;
   bool driven_ = false;          ///< a command has left

@@ -10,6 +10,10 @@
 
 namespace spikeloop::command {
 
+/// Bounds of the time between two zeros of a stopped robot.
+inline constexpr TimeNs kShortestRepetition = 10'000'000;
+inline constexpr TimeNs kLongestRepetition = 100'000'000;
+
 /// All times are wall time.
 struct GateSettings {
   std::vector<double> deadband;  ///< a component: how far it may move without being sent
@@ -24,7 +28,8 @@ struct GateSettings {
 
 /// A command leaves at once when a component has moved by more than its deadband from the last one
 /// sent, or has come to exactly zero, but not closer than `min_interval` to it, and again every
-/// `period`.
+/// `period`. A forced command is repeated until the next offer: every `period`, which is then
+/// limited to kShortestRepetition to kLongestRepetition, but not closer than `min_interval`.
 class CommandGate {
  public:
   explicit CommandGate(GateSettings settings);
@@ -35,7 +40,7 @@ class CommandGate {
   bool poll(TimeNs now);
   /// When poll() will say true if nothing new is offered.
   TimeNs next_due() const;
-  /// Takes a command that leaves now whatever the rules say.
+  /// Takes a command that leaves now whatever the rules say, and is repeated by poll().
   void force(std::span<const double> command, TimeNs now);
   /// The next command leaves at once.
   void forget();
@@ -53,8 +58,9 @@ class CommandGate {
   std::vector<double> current_;
   std::vector<double> last_;
   TimeNs last_time_ = 0;
-  bool any_ = false;   ///< current_ holds a command
-  bool sent_ = false;  ///< last_ holds one
+  bool any_ = false;     ///< current_ holds a command
+  bool sent_ = false;    ///< last_ holds one
+  bool forced_ = false;  ///< current_ is of force()
   std::uint64_t sent_count_ = 0;
 };
 
