@@ -13,6 +13,7 @@
 #include "spikeloop/fused/run.hpp"
 #include "spikeloop/live/feed.hpp"
 #include "spikeloop/process/music_main.hpp"
+#include "spikeloop/status/deadline.hpp"
 #include "spikeloop/status/signals.hpp"
 
 namespace {
@@ -89,8 +90,16 @@ bool watches(const experiment::Experiment& experiment, const std::string& proces
          });
 }
 
-fused::RunResult run_experiment(const experiment::Experiment& experiment, music::Process& process,
-                                const Parameters& keys, MusicProcesses& others) {
+int report(const fused::RunResult& result, music::Process& process, MusicProcesses& others) {
+  if (result.exit_code != 0) {  // before the report, which else would be that of an early end
+    music::end_job(process.label(), result.exit_code, result.reason);
+  }
+  others.finish(result.summary);
+  return result.exit_code;
+}
+
+int run_experiment(const experiment::Experiment& experiment, music::Process& process,
+                   const Parameters& keys, MusicProcesses& others) {
   const auto stop = [] { return status::stop_requested(); };
   const auto enter = [&](bool waits) {
     process.enter(waits ? status::Phase::waiting : status::Phase::computing);
@@ -108,7 +117,7 @@ fused::RunResult run_experiment(const experiment::Experiment& experiment, music:
           }};
   const fused::RunOptions options = options_of(keys, process);
   if (experiment.ros == experiment::Ros::none || !meets_robot(experiment, process.label())) {
-    return fused::run(experiment, options, events, &others);
+    return report(fused::run(experiment, options, events, &others), process, others);
   }
   const bool first = first_at_robot(experiment) == process.label();
   RosTransport transport(experiment, process.label(), keys.text("ros_arguments"),
@@ -117,12 +126,17 @@ fused::RunResult run_experiment(const experiment::Experiment& experiment, music:
   if (experiment.sync == Sync::sim_time || experiment.sync == Sync::lockstep) {
     process.say_begun();  // it waits for the robot as long as that takes
   }
-  const fused::RunResult result = transport.rosout().during(
-      [&] { return fused::run(experiment, transport, options, events, &others); });
-  if (result.exit_code != 0) {
-    transport.rosout().error(result.reason);
-  }
-  return result;
+  return transport.rosout().during([&] {
+    fused::Run run(experiment, transport, options, events, &others);
+    while (run.tick()) {
+    }
+    const fused::RunResult result = run.finish();
+    if (result.exit_code != 0) {
+      transport.rosout().error(result.reason);
+    }
+    // Before ROS is left, which may hang.
+    return status::end_in_time(report(result, process, others));
+  });
 }
 
 int run(music::Process& process) {
@@ -140,12 +154,7 @@ int run(music::Process& process) {
     command::Watch::release_signals();
   }
   MusicProcesses others(process, experiment);
-  const fused::RunResult result = run_experiment(experiment, process, keys, others);
-  if (result.exit_code != 0) {  // before the report, which else would be that of an early end
-    music::end_job(process.label(), result.exit_code, result.reason);
-  }
-  others.finish(result.summary);
-  return result.exit_code;
+  return run_experiment(experiment, process, keys, others);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/stepped_robot.hpp"
+#include "spikeloop/status/deadline.hpp"
 #include "spikeloop/topics/rosout.hpp"
 
 namespace spikeloop::robot {
@@ -131,6 +132,7 @@ void run(const RunOptions& options, const topics::RosArguments& arguments,
   Loop loop(options, status, robot, *session);
   status.started();
   rosout.during([&] { loop.run(stop); });
+  status::end_in_time(0);
 }
 
 }  // namespace spikeloop::robot

@@ -7,6 +7,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/robot/files.hpp"
 #include "spikeloop/robot/stepped_robot.hpp"
+#include "spikeloop/status/deadline.hpp"
 #include "spikeloop/topics/rosout.hpp"
 #include "step_link.hpp"
 
@@ -127,6 +128,7 @@ void run_stepped(const RunOptions& options, const topics::RosArguments& argument
   rosout.during([&] { loop.run(); });
   loop.robot().finish();
   report(loop.robot(), loop.link(), status);
+  status::end_in_time(0);
 }
 
 }  // namespace spikeloop::robot

@@ -17,6 +17,7 @@
 #include "spikeloop/experiment/safety.hpp"
 #include "spikeloop/ros_command/arrivals.hpp"
 #include "spikeloop/ros_command/command_endpoint.hpp"
+#include "spikeloop/status/deadline.hpp"
 #include "spikeloop/status/signals.hpp"
 #include "spikeloop/topics/rosout.hpp"
 
@@ -229,7 +230,7 @@ int run_command(music::Process& process, const RosProgram& program) {
   music::Process::LoopHooks hooks;
   hooks.after_loop = [&] { sink.stop(command::StopReason::ended); };
   hooks.summary = [&] { return sink.summary(); };
-  return rosout.during([&] { return process.run(graph, hooks); });
+  return status::end_in_time(rosout.during([&] { return process.run(graph, hooks); }));
 }
 
 }  // namespace spikeloop

@@ -4,6 +4,7 @@
 #include "programs.hpp"
 #include "spikeloop/command/watch.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/status/deadline.hpp"
 #include "spikeloop/status/signals.hpp"
 #include "spikeloop/topics/event_sensor.hpp"
 #include "spikeloop/topics/rosout.hpp"
@@ -63,7 +64,8 @@ int run_events(music::Process& process, const RosProgram& program) {
   const status::TerminationHook on_termination([&] { session->leave(); });  // the last of all
   topics::Rosout rosout(*session);
   topics::EventSensor sensor(*session, settings);
-  return rosout.during([&] { return run_topic(process, section, sensor, *out); });
+  return status::end_in_time(
+      rosout.during([&] { return run_topic(process, section, sensor, *out); }));
 }
 
 }  // namespace spikeloop

@@ -9,6 +9,7 @@
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/sensing/sensor_keys.hpp"
+#include "spikeloop/status/deadline.hpp"
 #include "spikeloop/status/signals.hpp"
 #include "spikeloop/topics/rosout.hpp"
 #include "spikeloop/topics/sensor.hpp"
@@ -121,8 +122,9 @@ int run_sensor(music::Process& process, const RosProgram& program) {
   }
   music::Process::LoopHooks hooks;
   hooks.summary = [&] { return nlohmann::json{{"scans", sensor.counters().front().value}}; };
-  return rosout.during(
-      [&] { return run_topic(process, section, sensor, *out, std::move(more), std::move(hooks)); });
+  return status::end_in_time(rosout.during([&] {
+    return run_topic(process, section, sensor, *out, std::move(more), std::move(hooks));
+  }));
 }
 
 }  // namespace spikeloop

@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "spikeloop/status/deadline.hpp"
+
 namespace spikeloop::status {
 namespace {
 
@@ -91,6 +93,44 @@ TEST(Signals, TerminationRunsTheHooksNewestFirstAndExits143) {
   EXPECT_STREQ(said, "ba");
   close(pipe_ends[0]);
   close(pipe_ends[1]);
+}
+
+TEST(Signals, AHookThatHangsEndsTheProcess) {
+  for (const int number : {SIGTERM, SIGUSR1}) {
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_EQ(exit_code_of([number] {
+                const SignalThread thread;
+                const auto hang = [] { std::this_thread::sleep_for(std::chrono::seconds(19)); };
+                const TerminationHook termination(hang);
+                const StopHook stop(hang);
+                kill(getpid(), number);
+                std::this_thread::sleep_for(std::chrono::seconds(19));
+              }),
+              143)
+        << number;
+    EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
+  }
+}
+
+TEST(Signals, AHookThatIsInTimeDoesNotEndTheProcess) {
+  EXPECT_EQ(exit_code_of([] {
+              const SignalThread thread;
+              const StopHook stop([] {});
+              kill(getpid(), SIGUSR1);
+              wait_for_stop();
+              std::this_thread::sleep_for(std::chrono::milliseconds(3500));
+            }),
+            0);
+}
+
+TEST(Deadline, AProcessWhoseDestructorsHangEndsWithItsExitCode) {
+  EXPECT_EQ(exit_code_of([] {
+              if (end_in_time(5) != 5) {
+                _exit(1);
+              }
+              std::this_thread::sleep_for(std::chrono::seconds(19));
+            }),
+            5);
 }
 
 TEST(Signals, TheEndOfTheParentIsATermination) {

@@ -24,8 +24,11 @@ using std::chrono::seconds;
 
 /// Within this while a second signal is the first one once more.
 constexpr std::chrono::milliseconds kSameSignal{100};
-/// How long programs may take to leave their loops and write what they have recorded.
-constexpr seconds kStopGrace{5};
+/// How long programs may take to leave their loops and write what they have recorded. With what
+/// follows a run ends within 5 s of the signal.
+constexpr seconds kStopGrace{4};
+/// How long they may take to end after their reports. MPI hangs then if the network has gone.
+constexpr seconds kReportedStopGrace{2};
 /// A foreign program is not asked, and keeps the others waiting.
 constexpr seconds kForeignStopGrace{2};
 /// A program that fails takes the others with it by MPI_Abort; this is for those that could not.
@@ -376,7 +379,9 @@ void JobRun::watch_stop() {
     begin_stop();
   }
   const auto grace = all_ours(effective_.file) ? kStopGrace : kForeignStopGrace;
-  if (stopping_since_ && Clock::now() - *stopping_since_ > grace) {
+  const bool all_done = reported_since_ && !any_script(effective_.file) &&
+                        Clock::now() - *reported_since_ > kReportedStopGrace;
+  if (stopping_since_ && (all_done || Clock::now() - *stopping_since_ > grace)) {
     mpirun_->tree().end();
   }
 }

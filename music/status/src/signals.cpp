@@ -13,10 +13,14 @@
 #include <thread>
 #include <vector>
 
+#include "spikeloop/status/deadline.hpp"
+
 namespace spikeloop::status {
 namespace {
 
 constexpr int kTerminated = 128 + SIGTERM;
+/// A hook that waits for a network or a lock must not keep the process from ending.
+constexpr std::chrono::seconds kLongestHooks{3};
 
 std::atomic<bool> stop{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
@@ -120,8 +124,10 @@ struct SignalThread::Impl {
       }
       if (number == SIGUSR1) {
         stop.store(true, std::memory_order_relaxed);
+        const Deadline deadline(kLongestHooks, kTerminated);
         SignalHook::run_all(false);
       } else if (number == SIGTERM || getppid() != parent) {
+        const Deadline deadline(kLongestHooks, kTerminated);
         SignalHook::run_all(true);
         ::_exit(kTerminated);
       }

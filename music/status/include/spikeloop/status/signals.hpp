@@ -1,6 +1,7 @@
 // Signals of a MUSIC program. SIGUSR1, which mpirun forwards: run the stop hooks, leave the loop,
 // finalize, exit 0. SIGTERM, or the end of mpirun: run the termination hooks, then _exit(143) at
-// once, because MUSIC does not come to an end in the second that mpirun leaves.
+// once, because MUSIC does not come to an end in the second that mpirun leaves. Hooks that take
+// longer than 3 s end the process with 143, too.
 #pragma once
 
 #include <functional>
