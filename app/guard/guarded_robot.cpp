@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <system_error>
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
@@ -16,6 +18,19 @@ namespace {
 
 /// How often we look whether a robot hears us, until one does.
 constexpr TimeNs kLook = 5'000'000;
+
+/// An adapter sends its hello as soon as it is connected.
+constexpr TimeNs kIntroduction = 2 * kNsPerSecond;
+/// The timer is asked after so many packets, however fast they come.
+constexpr int kMostAtOnce = 100;
+
+Descriptor make_event() {
+  Descriptor event{eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
+  if (event.get() < 0) {
+    throw std::system_error(errno, std::generic_category(), "eventfd");
+  }
+  return event;
+}
 
 /// Until one of them can be read; a descriptor of -1 never can.
 void wait(TimeNs deadline, int first, int second) {
@@ -29,7 +44,7 @@ void wait(TimeNs deadline, int first, int second) {
 
 GuardedRobot::GuardedRobot(Descriptor socket, Robots& robots, Events events)
     : socket_(std::move(socket)),
-      leave_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      leave_(make_event()),
       robots_(robots),
       events_(std::move(events)),
       thread_([this] { run(); }) {}
@@ -47,10 +62,15 @@ void GuardedRobot::set_needed(bool needed) {
 }
 
 void GuardedRobot::run() {
-  if (read_introduction()) {
-    if (const auto robot = advertise()) {
-      watch(*robot);
+  try {
+    if (read_introduction()) {
+      if (const auto robot = advertise()) {
+        watch(*robot);
+      }
     }
+  } catch (const std::exception& error) {
+    // The other robots stay guarded.
+    log::warning("the robot on {} is not guarded any more: {}", hello_.topic, error.what());
   }
   // The adapter is to see that nobody watches any more.
   socket_.reset();
@@ -60,7 +80,7 @@ void GuardedRobot::run() {
 }
 
 bool GuardedRobot::read_introduction() {
-  wait(kNever, socket_.get(), leave_.get());
+  wait(wall_now() + kIntroduction, socket_.get(), leave_.get());
   if (wait_readable(leave_.get(), 0)) {
     return false;
   }
@@ -69,7 +89,7 @@ bool GuardedRobot::read_introduction() {
     return false;  // somebody has only looked whether a guard is there
   }
   const auto hello = read_hello(first.packet);
-  if (!hello || hello->protocol != kProtocol) {
+  if (!hello) {
     refuse("guard and command adapter are of different versions of Spikeloop; use those of one");
     return false;
   }
@@ -90,7 +110,7 @@ std::unique_ptr<topics::RawPublisher> GuardedRobot::advertise() {
 
 void GuardedRobot::refuse(const std::string& reason) {
   auto packet = make_packet("refused");
-  packet["reason"] = reason;
+  packet.fields["reason"] = reason;
   send_packet(socket_.get(), packet);
 }
 
@@ -131,13 +151,16 @@ void GuardedRobot::watch(topics::RawPublisher& robot) {
 }
 
 void GuardedRobot::listen(GuardTimer& timer) {
-  for (Received news = receive_packet(socket_.get()); !news.nothing;
-       news = receive_packet(socket_.get())) {
-    if (news.closed) {
-      timer.lost(wall_now());
+  for (int i = 0; i < kMostAtOnce; ++i) {
+    const Received news = receive_packet(socket_.get());
+    if (news.nothing) {
       return;
     }
     const std::string type = type_of(news.packet);
+    if (news.closed || type.empty()) {  // an adapter sends packets
+      timer.lost(wall_now());
+      return;
+    }
     if (type == "beat") {
       timer.beat(wall_now());
     } else if (type == "done") {

@@ -2,23 +2,18 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
-#include <thread>
 
 #include "server.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/priority.hpp"
+#include "spikeloop/status/deadline.hpp"
 
 namespace {
 
 using namespace spikeloop;
-
-/// From the end of our work to that of the process, whatever the ROS master does.
-constexpr std::chrono::milliseconds kLongestEnd{1000};
 
 const char* level_name(log::Level level) {
   return level == log::Level::warning ? "warning" : level == log::Level::error ? "error" : "info";
@@ -27,28 +22,19 @@ const char* level_name(log::Level level) {
 /// To the launcher, which shows it; to the screen when there is none, or none any more.
 void say(int owner, log::Level level, std::string_view text) {
   auto packet = guard::make_packet("log");
-  packet["level"] = level_name(level);
-  packet["text"] = text;
+  packet.fields["level"] = level_name(level);
+  packet.fields["text"] = text;
   if (owner < 0 || guard::send_packet(owner, packet) != 0) {
     fmt::print(stderr, "spikeloop-guard: {}{}\n", level == log::Level::warning ? "warning: " : "",
                text);
   }
 }
 
-/// Leaving ROS asks the master, which may have gone, or hang.
-void end_in_time() {
-  std::thread([] {
-    std::this_thread::sleep_for(kLongestEnd);
-    _exit(0);
-  }).detach();
-}
-
 int run(const guard::Options& options) {
   try {
     guard::Server server(options);
     server.run();
-    end_in_time();
-    return 0;
+    return status::end_in_time(0);
   } catch (const Error& error) {
     log::write(log::Level::error, error.what());
     return error.exit_code();

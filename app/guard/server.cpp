@@ -8,8 +8,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
+#include <thread>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
 #include "spikeloop/guard/guard_timer.hpp"
 #include "spikeloop/status/address.hpp"
 
@@ -18,6 +21,10 @@ namespace {
 
 constexpr int kBacklog = 64;
 constexpr int kBeatMs = kGuardBeatPeriod / 1'000'000;
+/// Each adapter takes a thread and two descriptors. Others wait until one of them has ended.
+constexpr std::size_t kMostAdapters = 64;
+/// Without descriptors the next adapter cannot be accepted, and would always be ready.
+constexpr std::chrono::milliseconds kShortage{20};
 
 Descriptor make_socket() {
   return Descriptor{socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
@@ -88,7 +95,7 @@ void Server::run() {
 
 void Server::turn() {
   // An owner that has gone would always be ready.
-  pollfd files[] = {{listener_.fd(), POLLIN, 0},
+  pollfd files[] = {{guarded_.size() < kMostAdapters ? listener_.fd() : -1, POLLIN, 0},
                     {signals_.fd(), POLLIN, 0},
                     {wakeup_.get(), POLLIN, 0},
                     {owner_gone() ? -1 : owner_, POLLIN, 0}};
@@ -98,10 +105,22 @@ void Server::turn() {
 }
 
 void Server::take_in() {
-  for (Descriptor adapter = listener_.accept(); adapter.get() >= 0; adapter = listener_.accept()) {
-    guarded_.emplace_back(
-        std::move(adapter), robots_,
-        GuardedRobot::Events{[this] { wake(); }, [this](const Hello& hello) { report(hello); }});
+  while (guarded_.size() < kMostAdapters) {
+    Descriptor adapter = listener_.accept();
+    if (adapter.get() < 0) {
+      if (errno != EAGAIN) {
+        std::this_thread::sleep_for(kShortage);
+      }
+      return;
+    }
+    try {
+      guarded_.emplace_back(
+          std::move(adapter), robots_,
+          GuardedRobot::Events{[this] { wake(); }, [this](const Hello& hello) { report(hello); }});
+    } catch (const std::exception& error) {
+      // The adapter warns that it is not guarded. The others stay guarded.
+      log::warning("a command adapter cannot be guarded: {}", error.what());
+    }
   }
 }
 
@@ -113,7 +132,7 @@ void Server::wake() const {
 void Server::report(const Hello& hello) const {
   if (owner_ >= 0) {
     auto packet = make_packet("stopped");
-    packet["topic"] = hello.topic;
+    packet.fields["topic"] = hello.topic;
     send_packet(owner_, packet);
   }
 }

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "spikeloop/core/parse_message.hpp"
+
 namespace spikeloop::view {
 namespace {
 
@@ -93,7 +95,7 @@ void Viewer::advertise(std::size_t from, std::size_t to) {
 }
 
 void Viewer::take(std::string_view text, const std::vector<SharedFrame>& newest) {
-  const json message = json::parse(text, nullptr, false);
+  const json message = parse_message<json>(text);
   const std::string op = message.is_object() && message.contains("op") && message["op"].is_string()
                              ? message["op"]
                              : "";

@@ -162,7 +162,7 @@ std::vector<Channel> FeedReader::new_channels() {
   std::vector<Channel> channels;
   const std::string_view text = file_->text();
   while (lines_read_ < text.size()) {
-    const std::size_t end = text.find('\n', lines_read_);
+    const std::size_t end = std::min(text.find('\n', lines_read_), text.size());
     const auto line = json::parse(text.substr(lines_read_, end - lines_read_));
     if (line.contains("parameter")) {
       parameters_.push_back({line.at("parameter"), line.at("value"), line.at("minimum"),
@@ -181,19 +181,20 @@ std::optional<FeedReader::Record> FeedReader::next() {
   const std::uint64_t ring = file_->ring_words();
   const std::uint64_t written = header.written.load(std::memory_order_acquire);
   // Viewers are told of a new begin before anything that comes behind it.
-  if (position_ == written || header.beginnings.load() != beginnings_) {
+  if (position_ >= written || header.beginnings.load() != beginnings_) {
     return std::nullopt;
   }
   std::uint64_t head[kRecordWords];
   file_->load(position_, head);
   const std::size_t bytes = head[0] >> kChannelBits;
   const std::uint64_t size = kRecordWords + words_of(bytes);
-  if (size <= ring / 2) {  // else it is no head any more
+  const bool is_head = size <= ring / 2;
+  if (is_head) {
     copy_.resize(size - kRecordWords);
     file_->load(position_ + kRecordWords, copy_);
   }
   std::atomic_thread_fence(std::memory_order_acquire);
-  if (header.claimed.load(std::memory_order_relaxed) > position_ + ring) {
+  if (!is_head || header.claimed.load(std::memory_order_relaxed) > position_ + ring) {
     lost_ += (written - position_) * sizeof(std::uint64_t);
     position_ = written;  // the newest counts
     return std::nullopt;

@@ -4,6 +4,7 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -79,7 +80,7 @@ bool SharedFile::add_text(std::string_view line) {
 
 std::string_view SharedFile::text() const {
   return {static_cast<const char*>(memory_) + kHeaderBytes,
-          header().text_bytes.load(std::memory_order_acquire)};
+          std::min<std::uint64_t>(header().text_bytes.load(std::memory_order_acquire), kTextBytes)};
 }
 
 std::uint64_t& SharedFile::word(std::uint64_t position) {

@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <functional>
 #include <mutex>
+#include <random>
+#include <string>
 #include <thread>
 
 #include "spikeloop/core/log.hpp"
@@ -53,10 +55,29 @@ TEST(Protocol, a_hello_arrives_as_it_was) {
 TEST(Protocol, what_is_no_hello_is_none) {
   EXPECT_FALSE(read_hello(make_packet("hello")));
   EXPECT_FALSE(read_hello(make_packet("beat")));
-  EXPECT_FALSE(read_hello(nullptr));
+  EXPECT_FALSE(read_hello({}));
   auto packet = to_packet(example());
-  packet["watchdog"] = "soon";
+  packet.fields["watchdog"] = "soon";
   EXPECT_FALSE(read_hello(packet));
+}
+
+TEST(Protocol, any_bytes_are_a_packet_or_none) {
+  const std::string bytes = encode(to_packet(example()));
+  EXPECT_EQ(decode(bytes).fields, to_packet(example()).fields);
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const Packet cut = decode(std::string_view(bytes).substr(0, size));  // perhaps between fields
+    EXPECT_LT(cut.fields.size(), decode(bytes).fields.size()) << size;
+  }
+  std::mt19937 engine(1);
+  for (int i = 0; i < 20000; ++i) {
+    std::string other = bytes;
+    for (int changes = 1 + static_cast<int>(engine() % 4); changes > 0; --changes) {
+      other[engine() % other.size()] = static_cast<char>(engine());
+    }
+    read_hello(decode(other));
+  }
+  EXPECT_EQ(type_of(decode("\xbb\xff\xff\xff\xff\xff\xff\xff\xf0")), "");
+  EXPECT_EQ(type_of(decode(std::string(30000, '\x81'))), "");
 }
 
 class LinkTest : public testing::Test {
@@ -264,7 +285,7 @@ TEST_F(LinkTest, a_guard_that_refuses) {
   const Descriptor socket = accept();
   expect(socket, "hello");
   auto refusal = make_packet("refused");
-  refusal["reason"] = "no ROS master";
+  refusal.fields["reason"] = "no ROS master";
   send_packet(socket.get(), refusal);
   adapter.join();
   EXPECT_THAT(said_, ElementsAre(std::string("the guard refuses: no ROS master") + kAlone));

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <limits>
+#include <string>
+
 namespace spikeloop::launch {
 namespace {
 
@@ -242,6 +245,27 @@ TEST_F(State, AProgramThatEndsBeforeItsTimeIsNamed) {
   state.take({{"type", "report"}, {"process", "a"}});
   EXPECT_EQ(state.who_ended_early(),
             "'a' (rate_encoder) ended at 2 s of simulated time, without being asked to");
+}
+
+TEST_F(State, AnyMessageIsTakenOrIgnored) {
+  run();
+  for (const json& value : {json(nullptr), json(-1), json(1e300), json("x"), json::array({1}),
+                            json(std::numeric_limits<std::uint64_t>::max())}) {
+    for (const char* type : {"started", "alive", "progress", "report", "failure", "leaving", "x"}) {
+      json more;
+      for (const char* key : {"pid", "phase", "simulated_s", "wall_s", "overruns", "counters",
+                              "summary", "exit_code", "message", "rank"}) {
+        more[key] = value;
+      }
+      tell("b", type, more);
+      tell("b", type);
+    }
+  }
+  for (int i = 0; i < 10'000; ++i) {
+    tell(std::to_string(i), "first_tick");
+  }
+  EXPECT_TRUE(state_.has_ticked("0"));
+  EXPECT_FALSE(state_.has_ticked("9999")) << "its messages would fill the memory";
 }
 
 TEST_F(State, ADeathThatMpirunDoesNotNotice) {

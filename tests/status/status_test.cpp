@@ -7,6 +7,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -177,7 +178,9 @@ TEST_F(Status, PassesOverWhatIsNoMessage) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   path_.copy(address.sun_path, sizeof address.sun_path - 1);
-  for (const std::string& text : {std::string(), std::string("nonsense"), std::string("[1]"),
+  const std::string deep = R"({"type":"report","process":"a","summary":)" +
+                           std::string(50'000, '[') + std::string(50'000, ']') + "}";
+  for (const std::string& text : {std::string(), std::string("nonsense"), std::string("[1]"), deep,
                                   std::string("{\"type\":1,\"process\":\"a\"}")}) {
     EXPECT_EQ(sendto(fd, text.data(), text.size(), 0, reinterpret_cast<sockaddr*>(&address),
                      sizeof address),
@@ -186,6 +189,26 @@ TEST_F(Status, PassesOverWhatIsNoMessage) {
   close(fd);
   Sender("a").first_tick();
   EXPECT_EQ(next()["type"], "first_tick");
+}
+
+TEST_F(Status, WhatIsNoMessageDoesNotKeepACallerThatDoesNotWait) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path_.copy(address.sun_path, sizeof address.sun_path - 1);
+  std::atomic<bool> ended{false};
+  std::thread flood([&] {
+    const int fd = socket(AF_UNIX, SOCK_DGRAM, 0);
+    while (!ended) {
+      sendto(fd, "nonsense", 8, MSG_DONTWAIT, reinterpret_cast<sockaddr*>(&address),
+             sizeof address);
+    }
+    close(fd);
+  });
+  for (int i = 0; i < 1000; ++i) {
+    EXPECT_EQ(receiver_->next(0ms), std::nullopt);
+  }
+  ended = true;
+  flood.join();
 }
 
 TEST(StatusSummary, CountsAddUpAndTheLargestTimeCounts) {

@@ -74,6 +74,12 @@ TEST(ObservationReader, AMessageThatIsNoArrayChangesNothing) {
   EXPECT_EQ(reader.take_warning(), "a message that is not a JSON array was left out: ''");
 }
 
+TEST(ObservationReader, AMessageMayBeNestedAsDeeplyAsItLikes) {
+  ObservationReader reader("FloatArray", 1, true);
+  EXPECT_FALSE(reader.read(std::string(1'000'000, '[') + std::string(1'000'000, ']'), 0));
+  EXPECT_EQ(reader.counts().malformed, 1u);
+}
+
 TEST(ObservationReader, MessagesThatDoNotFitAreCroppedWithOneWarningOrRefused) {
   ObservationReader lax("FloatArray", 2, false);
   EXPECT_TRUE(lax.read("[1, 2, 3]", 0));

@@ -5,69 +5,136 @@
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cerrno>
-#include <cstdint>
+#include <charconv>
+#include <cstring>
+#include <utility>
 
 #include "spikeloop/core/pacer.hpp"
 
 namespace spikeloop::guard {
 
-using nlohmann::json;
+namespace {
 
-json to_packet(const Hello& hello) {
-  std::vector<std::uint8_t> zero(hello.zero.size());
-  std::ranges::transform(hello.zero, zero.begin(),
-                         [](std::byte byte) { return static_cast<std::uint8_t>(byte); });
-  json packet = make_packet("hello");
-  packet["protocol"] = hello.protocol;
-  packet["process"] = hello.process;
-  packet["topic"] = hello.topic;
-  packet["message_type"] = hello.message_type;
-  packet["ros"] = hello.ros;
-  packet["place"] = hello.place;
-  packet["watchdog"] = hello.watchdog;
-  packet["zero"] = json::binary(std::move(zero));
+const std::string kPlace = "place.";  // before the names of its variables
+
+void append(std::string_view text, std::string& bytes) {
+  const auto size = static_cast<std::uint32_t>(text.size());
+  bytes.append(reinterpret_cast<const char*>(&size), sizeof size);
+  bytes += text;
+}
+
+/// Removes the first text from `bytes`; nullopt if they end before it does.
+std::optional<std::string> take_text(std::string_view& bytes) {
+  std::uint32_t size = 0;
+  if (bytes.size() < sizeof size) {
+    return std::nullopt;
+  }
+  std::memcpy(&size, bytes.data(), sizeof size);
+  bytes.remove_prefix(sizeof size);
+  if (bytes.size() < size) {
+    return std::nullopt;
+  }
+  std::string text(bytes.substr(0, size));
+  bytes.remove_prefix(size);
+  return text;
+}
+
+}  // namespace
+
+std::string encode(const Packet& packet) {
+  std::string bytes;
+  append(packet.type, bytes);
+  for (const auto& [key, value] : packet.fields) {
+    append(key, bytes);
+    append(value, bytes);
+  }
+  return bytes;
+}
+
+Packet decode(std::string_view bytes) {
+  Packet packet;
+  const auto type = take_text(bytes);
+  while (type && !bytes.empty()) {
+    const auto key = take_text(bytes);
+    auto value = take_text(bytes);
+    if (!key || !value) {
+      return {};
+    }
+    packet.fields[*key] = std::move(*value);
+  }
+  packet.type = type.value_or("");
   return packet;
 }
 
-std::optional<Hello> read_hello(const json& packet) {
-  if (type_of(packet) != "hello") {
+Packet to_packet(const Hello& hello) {
+  Packet packet{"hello",
+                {{"protocol", fmt::to_string(hello.protocol)},
+                 {"process", hello.process},
+                 {"topic", hello.topic},
+                 {"message_type", hello.message_type},
+                 {"ros", fmt::to_string(hello.ros)},
+                 {"watchdog", fmt::to_string(hello.watchdog)},
+                 {"zero", {reinterpret_cast<const char*>(hello.zero.data()), hello.zero.size()}}}};
+  for (const auto& [name, value] : hello.place) {
+    packet.fields[kPlace + name] = value;
+  }
+  return packet;
+}
+
+std::optional<Hello> read_hello(const Packet& packet) {
+  const auto protocol = integer_of(packet, "protocol");
+  const auto ros = integer_of(packet, "ros");
+  const auto watchdog = integer_of(packet, "watchdog");
+  if (packet.type != "hello" || protocol != kProtocol || !ros || !watchdog) {
     return std::nullopt;
   }
-  try {
-    Hello hello;
-    hello.protocol = packet.at("protocol").get<int>();
-    hello.process = packet.at("process").get<std::string>();
-    hello.topic = packet.at("topic").get<std::string>();
-    hello.message_type = packet.at("message_type").get<std::string>();
-    hello.ros = packet.at("ros").get<int>();
-    hello.place = packet.at("place").get<std::map<std::string, std::string>>();
-    hello.watchdog = packet.at("watchdog").get<TimeNs>();
-    for (const std::uint8_t byte : packet.at("zero").get_binary()) {
-      hello.zero.push_back(std::byte{byte});
+  Hello hello;
+  hello.process = text_of(packet, "process");
+  hello.topic = text_of(packet, "topic");
+  hello.message_type = text_of(packet, "message_type");
+  hello.ros = static_cast<int>(*ros);
+  hello.watchdog = *watchdog;
+  for (const char byte : text_of(packet, "zero")) {
+    hello.zero.push_back(std::byte(byte));
+  }
+  for (const auto& [key, value] : packet.fields) {
+    if (key.starts_with(kPlace)) {
+      hello.place[key.substr(kPlace.size())] = value;
     }
-    return hello;
-  } catch (const json::exception&) {
-    return std::nullopt;
   }
+  return hello;
 }
 
-json make_packet(std::string_view type) {
-  return {{"type", type}};
+Packet make_packet(std::string_view type) {
+  return {std::string(type)};
 }
 
-std::string text_of(const json& packet, const char* key) {
-  const bool has = packet.is_object() && packet.contains(key) && packet[key].is_string();
-  return has ? packet[key].get<std::string>() : "";
+std::string type_of(const Packet& packet) {
+  return packet.type;
 }
 
-std::string type_of(const json& packet) {
-  return text_of(packet, "type");
+std::string text_of(const Packet& packet, const std::string& key) {
+  const auto found = packet.fields.find(key);
+  return found == packet.fields.end() ? "" : found->second;
 }
 
-int send_packet(int fd, const json& packet) {
-  const std::vector<std::uint8_t> bytes = json::to_cbor(packet);
+std::optional<std::int64_t> integer_of(const Packet& packet, const std::string& key) {
+  const std::string text = text_of(packet, key);
+  std::int64_t value = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, value);
+  return read.ec == std::errc() && read.ptr == end ? std::optional(value) : std::nullopt;
+}
+
+int send_packet(int fd, const Packet& packet) {
+  const std::string bytes = encode(packet);
+  if (bytes.size() > kLongestPacket) {
+    return EMSGSIZE;
+  }
   while (send(fd, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL) < 0) {
     if (errno != EINTR) {
       return errno;
@@ -86,13 +153,13 @@ Received receive_packet(int fd) {
     const bool later = errno == EAGAIN || errno == EINTR;
     return {.closed = !later, .nothing = later};
   }
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
+  // The rest of a longer packet is dropped.
+  std::string bytes(std::min(static_cast<std::size_t>(size), kLongestPacket), '\0');
   const auto received = recv(fd, bytes.data(), bytes.size(), MSG_DONTWAIT);
   if (received <= 0) {
     return {.closed = true};
   }
-  // What is not CBOR becomes a packet without a type.
-  return {.packet = json::from_cbor(bytes, true, false)};
+  return {.packet = static_cast<std::size_t>(size) > kLongestPacket ? Packet{} : decode(bytes)};
 }
 
 void send_beat(int fd) {

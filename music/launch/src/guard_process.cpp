@@ -49,7 +49,7 @@ Connection connect_pair() {
   // Once more, so that it is nobody's child.
   if (const pid_t pid = fork(); pid != 0) {
     auto packet = guard::make_packet("started");
-    packet["pid"] = pid;
+    packet.fields["pid"] = fmt::to_string(pid);
     guard::send_packet(connection, packet);
     _exit(0);
   }
@@ -66,7 +66,7 @@ Connection connect_pair() {
   const std::string socket = guard_socket(scratch.path());
   execlp(kProgram, kProgram, "--socket", socket.c_str(), "--owner", owner.c_str(), nullptr);
   auto packet = guard::make_packet("log");
-  packet["text"] = std::strerror(errno);
+  packet.fields["text"] = std::strerror(errno);
   guard::send_packet(connection, packet);
   _exit(127);
 }
@@ -139,11 +139,11 @@ bool GuardProcess::hangs() const {
   return wall_now() - heard_ > 2 * guard::kGuardSilence;
 }
 
-void GuardProcess::take(const nlohmann::json& packet) {
+void GuardProcess::take(const guard::Packet& packet) {
   heard_ = wall_now();
   const std::string type = guard::type_of(packet);
   if (type == "started") {
-    pid_ = packet.value("pid", 0);
+    pid_ = static_cast<pid_t>(guard::integer_of(packet, "pid").value_or(0));
   } else if (type == "log") {
     const bool plain = guard::text_of(packet, "level") == "info";
     events_.log(plain ? log::Level::info : log::Level::warning, guard::text_of(packet, "text"));

@@ -46,7 +46,7 @@ class GuardProcess {
 
  private:
   void await_listening();
-  void take(const nlohmann::json& packet);
+  void take(const guard::Packet& packet);
 
   Events events_;
   Descriptor connection_;  ///< it has the other end, and nobody else

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 #include "spikeloop/config/dialect.hpp"
@@ -19,6 +20,9 @@ using nlohmann::json;
 /// A clock lets the process tick more often than that.
 constexpr std::chrono::seconds kLongWait{1};
 
+/// Processes that are no sections, as the robot; messages of more are ignored.
+constexpr std::size_t kMostOthers = 100;
+
 /// What ssh's own messages begin with.
 constexpr const char* kSsh = "ssh: ";
 
@@ -26,8 +30,11 @@ constexpr const char* kSsh = "ssh: ";
 template <typename T>
 T value_of(const json& message, const char* key, T otherwise) {
   const auto found = message.find(key);
+  if (found == message.end() || (std::is_integral_v<T> && !found->is_number_integer())) {
+    return otherwise;
+  }
   try {
-    return found == message.end() ? otherwise : found->get<T>();
+    return found->get<T>();
   } catch (const json::exception&) {
     return otherwise;
   }
@@ -68,10 +75,17 @@ JobState::JobState(const MusicFile& file, bool all_here) : file_(file) {
 bool JobState::take(const json& message, Clock::time_point now) {
   const std::string type = message.at("type");
   if (type == "leaving") {
-    processes_[label_of_rank(file_, message.at("rank"))].left = now;
+    const int rank = value_of(message, "rank", -1);
+    const auto left = processes_.find(rank < 0 ? "" : label_of_rank(file_, rank));
+    if (left != processes_.end()) {
+      left->second.left = now;
+    }
     return false;
   }
   const std::string label = message.at("process");
+  if (!processes_.contains(label) && processes_.size() >= file_.sections.size() + kMostOthers) {
+    return false;
+  }
   Process& process = processes_[label];
   if (std::find(order_.begin(), order_.end(), label) == order_.end()) {
     order_.push_back(label);

@@ -5,6 +5,9 @@
 namespace spikeloop::launch {
 namespace {
 
+/// Signals and output have their turn, however fast messages come.
+constexpr int kMostMessages = 1000;
+
 /// At most 1 MB, so that one program's output does not keep the others waiting. Returns false at
 /// the end of the output.
 bool read_output(int fd, TaggedOutput& output) {
@@ -73,7 +76,7 @@ void ProcessGroup::turn(Milliseconds most) {
 }
 
 void ProcessGroup::pass_on_messages() {
-  while (true) {
+  for (int i = 0; i < kMostMessages; ++i) {
     const auto message = receiver_.next(Milliseconds{0});
     if (!message) {
       return;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/parse_message.hpp"
 #include "spikeloop/status/address.hpp"
 #include "spikeloop/status/status.hpp"
 
@@ -14,16 +15,20 @@ namespace {
 
 using nlohmann::json;
 
+/// More than the kernel lets through by default.
+constexpr std::size_t kLongestDatagram = 4 << 20;
+
 /// One datagram, whole; nothing when there is none or it is not a message.
 std::optional<json> receive(int fd) {
   const auto size = recv(fd, nullptr, 0, MSG_PEEK | MSG_TRUNC | MSG_DONTWAIT);
   if (size < 0) {
     return std::nullopt;
   }
-  std::string text(static_cast<std::size_t>(size), '\0');
+  // The rest of a longer datagram is dropped, and what is left is no JSON.
+  std::string text(std::min(static_cast<std::size_t>(size), kLongestDatagram), '\0');
   const auto received = recv(fd, text.data(), text.size(), MSG_DONTWAIT);
   text.resize(received < 0 ? 0 : static_cast<std::size_t>(received));
-  json message = json::parse(text, nullptr, false);
+  json message = parse_message<json>(text);
   const auto has_text = [&message](const char* key) {
     return message.contains(key) && message[key].is_string();
   };
@@ -65,6 +70,9 @@ std::optional<json> Receiver::next(std::chrono::milliseconds timeout) {
       if (auto message = receive(socket_.get())) {
         return message;
       }
+    }
+    if (left.count() <= 0) {
+      return std::nullopt;  // other bytes must not keep the caller, however fast they come
     }
   }
 }

@@ -10,6 +10,7 @@
 
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/parse_message.hpp"
 
 namespace spikeloop::zmq {
 namespace {
@@ -65,7 +66,7 @@ ObservationReader::ObservationReader(std::string_view type, std::uint32_t width,
 }
 
 bool ObservationReader::read(std::string_view message, double now_unix_s) {
-  const json parsed = json::parse(message, nullptr, false);
+  const json parsed = parse_message<json>(message);
   if (!parsed.is_array()) {
     if (++counts_.malformed == 1) {
       warning_ = fmt::format("a message that is not a JSON array was left out: '{}'{}",

@@ -1,5 +1,7 @@
-// What a command adapter, its guard and the launcher tell each other: packets of CBOR over a Unix
-// socket that knows when the other side has gone.
+// What a command adapter, its guard and the launcher tell each other: packets over a Unix socket
+// that knows when the other side has gone. A packet is a list of texts: its type, and the keys and
+// values of its fields, each after its length in 4 bytes. It is read without recursion and in
+// bounded memory: any program of the user can send to the guard.
 //
 // An adapter sends "hello" and receives "ready" or "refused", and "reaches" once a robot subscribes
 // to the guard; then both send "beat" until the adapter is "done". A guard sends to the launcher
@@ -8,8 +10,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,6 +28,19 @@ inline constexpr const char* kSocketVariable = "SPIKELOOP_GUARD";
 /// Both sides must be of the same.
 inline constexpr int kProtocol = 4;
 
+/// Longest packet in bytes; a longer one is not sent, and not read.
+inline constexpr std::size_t kLongestPacket = 1 << 20;
+
+using Fields = std::map<std::string, std::string>;
+struct Packet {
+  std::string type;  ///< empty if the bytes are not a packet
+  Fields fields{};
+};
+
+std::string encode(const Packet& packet);
+/// Returns a packet without a type for other bytes.
+Packet decode(std::string_view bytes);
+
 /// How a command adapter introduces itself.
 struct Hello {
   int protocol = kProtocol;
@@ -38,18 +53,20 @@ struct Hello {
   std::vector<std::byte> zero;  ///< the message that stops the robot, as the adapter sends it
 };
 
-nlohmann::json to_packet(const Hello& hello);
+Packet to_packet(const Hello& hello);
 /// Nothing when the packet is not a hello, or of another protocol that says it in another way.
-std::optional<Hello> read_hello(const nlohmann::json& packet);
+std::optional<Hello> read_hello(const Packet& packet);
 
-nlohmann::json make_packet(std::string_view type);
+Packet make_packet(std::string_view type);
 /// Empty for what is not a packet of ours.
-std::string type_of(const nlohmann::json& packet);
-/// Empty when there is none.
-std::string text_of(const nlohmann::json& packet, const char* key);
+std::string type_of(const Packet& packet);
+/// The value of a field; empty if the packet has no such field.
+std::string text_of(const Packet& packet, const std::string& key);
+/// The integer in a field; nullopt if there is none.
+std::optional<std::int64_t> integer_of(const Packet& packet, const std::string& key);
 
 /// Never waits. Returns 0 or an errno: EAGAIN when there is no room.
-int send_packet(int fd, const nlohmann::json& packet);
+int send_packet(int fd, const Packet& packet);
 
 /// Sends "beat" unless an earlier packet is still unread: beats must not fill the socket of a
 /// process that is stopped.
@@ -58,7 +75,7 @@ void send_beat(int fd);
 struct Received {
   bool closed = false;   ///< the other side has gone, and all it said has been read
   bool nothing = false;  ///< not yet
-  nlohmann::json packet{};
+  Packet packet{};
 };
 /// Never waits.
 Received receive_packet(int fd);
