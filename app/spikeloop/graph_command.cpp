@@ -190,7 +190,7 @@ void write_picture(const std::string& dot, const std::string& path, const std::s
     words.pop_back();
   }
   if (!path.empty()) {
-    write_file(path, "");  // with an error of ours
+    make_empty_file(path);  // Graphviz would write to the target of a link
     words.insert(words.end(), {"-o", path});
   }
   if (!feed(words, dot)) {

@@ -9,6 +9,7 @@
 #include <chrono>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -25,11 +26,8 @@ std::string utc_now() {
 
 RunLog::RunLog(const std::string& folder) {
   const std::string path = folder + "/log.txt";
-  file_ =
-      Descriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0666));
-  if (file_.get() < 0) {
-    throw FileError("create", path, errno);
-  }
+  file_ = Descriptor(create_file(path));
+  ::fcntl(file_.get(), F_SETFL, O_APPEND);
 }
 
 void RunLog::write(std::string_view text) noexcept {

@@ -15,6 +15,7 @@
 #include "npy_header.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 
 namespace spikeloop {
 
@@ -200,8 +201,8 @@ void write_npy(const std::filesystem::path& path, std::uint64_t rows, std::uint6
   const std::size_t before = kVersionEnd + 2;
   header.append(kAlignment - 1 - (before + header.size()) % kAlignment, ' ');
   header += '\n';
+  std::ofstream stream = create_stream(path);
   errno = 0;
-  std::ofstream stream(path, std::ios::binary);
   stream << kMagic << '\x01' << '\0' << static_cast<char>(header.size())
          << static_cast<char>(header.size() >> 8) << header;
   stream.write(reinterpret_cast<const char*>(values.data()),

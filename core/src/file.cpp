@@ -1,7 +1,9 @@
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/core/code.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
@@ -19,6 +21,45 @@ namespace fs = std::filesystem;
 std::string size_text(std::uint64_t bytes) {
   constexpr std::uint64_t kMega = 1'000'000;
   return bytes >= kMega ? fmt::format("{} MB", bytes / kMega) : fmt::format("{} bytes", bytes);
+}
+
+/// True if writing to `path` reaches something that exists, and makes no file: a pipe, a device, or
+/// a descriptor of this process (/dev/stdout is a link that must not be removed).
+bool is_stream(const fs::path& path) {
+  std::error_code ignored;
+  const auto type = fs::symlink_status(path, ignored).type();
+  if (type == fs::file_type::symlink) {
+    const std::string folder = fs::canonical(fs::absolute(path, ignored).parent_path(), ignored);
+    return folder == "/dev" || folder.starts_with("/proc/");
+  }
+  return type == fs::file_type::fifo || type == fs::file_type::character ||
+         type == fs::file_type::block || type == fs::file_type::socket;
+}
+
+/// -1 with errno if it fails.
+int open_new(const std::string& path) {
+  if (is_stream(path)) {
+    return ::open(path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
+  }
+  if (::unlink(path.c_str()) != 0 && errno != ENOENT) {
+    return -1;
+  }
+  return ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+}
+
+/// Closes `file`, which the stream opens again by its descriptor: by its name it could be another.
+std::ofstream stream_of(int file) {
+  std::ofstream stream;
+  if (file >= 0) {
+    errno = 0;
+    stream.open(fmt::format("/proc/self/fd/{}", file), std::ios::binary);
+    const int error = stream ? errno : (errno == 0 ? EIO : errno);
+    ::close(file);
+    errno = error;
+  } else {
+    stream.setstate(std::ios::failbit);
+  }
+  return stream;
 }
 
 }  // namespace
@@ -66,12 +107,10 @@ std::string read_file(const std::string& path, std::string_view kind, std::uint6
 
 void write_file(const std::string& path, std::string_view text) {
   std::error_code error;
-  const auto kind = fs::symlink_status(path, error).type();
-  error.clear();
-  const bool in_place = kind != fs::file_type::not_found && kind != fs::file_type::regular;
+  const bool in_place = is_stream(path);
   const std::string written = in_place ? path : path + ".new";
   errno = 0;
-  std::ofstream file(written, std::ios::binary);
+  std::ofstream file = stream_of(open_new(written));
   file << text;
   file.close();
   if (!file) {
@@ -85,6 +124,42 @@ void write_file(const std::string& path, std::string_view text) {
       fs::remove(written, error);
     }
     throw FileError("write", path, number);
+  }
+}
+
+int create_file(const std::string& path) {
+  const int file = open_new(path);
+  if (file < 0) {
+    throw FileError("create", path, errno);
+  }
+  return file;
+}
+
+std::ofstream create_stream(const std::string& path) {
+  std::ofstream stream = stream_of(create_file(path));
+  if (!stream) {
+    throw FileError("create", path, errno);
+  }
+  return stream;
+}
+
+void make_empty_file(const std::string& path) {
+  ::close(create_file(path));
+}
+
+void copy_to_new_file(const std::string& from, const std::string& to) {
+  errno = 0;
+  std::ifstream source(from, std::ios::binary);
+  if (!source) {
+    throw FileError("open", from, errno == 0 ? EIO : errno);
+  }
+  std::ofstream copy = create_stream(to);
+  if (source.peek() != std::ifstream::traits_type::eof()) {  // << of an empty buffer fails
+    copy << source.rdbuf();
+  }
+  copy.close();
+  if (!copy || source.bad()) {
+    throw FileError("write", to, errno == 0 ? EIO : errno);
   }
 }
 

@@ -18,7 +18,7 @@ void append_line(const std::string& path, const std::string& line) {
   if (file.get() >= 0) {
     text = std::string(experiment::kChangesHead) + "\n" + text;
   } else {
-    file = Descriptor(::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC));
+    file = Descriptor(::open(path.c_str(), O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC));
   }
   if (file.get() < 0 ||
       ::write(file.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size())) {

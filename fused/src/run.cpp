@@ -39,9 +39,8 @@ void copy_experiment(const Experiment& experiment, const std::string& folder) {
   namespace fs = std::filesystem;
   const fs::path copy = fs::path(folder) / kExperimentFile;
   std::error_code error;
-  if (!fs::equivalent(experiment.path, copy, error) &&
-      !fs::copy_file(experiment.path, copy, fs::copy_options::overwrite_existing, error)) {
-    throw FileError("copy the experiment file to", copy.string(), error.value());
+  if (!fs::equivalent(experiment.path, copy, error)) {
+    copy_to_new_file(experiment.path, copy.string());
   }
 }
 
@@ -59,9 +58,7 @@ void copy_files(const Experiment& experiment, const std::string& folder) {
     }
     const fs::path copy = fs::path(folder) / kFilesFolder / name;
     fs::create_directories(copy.parent_path(), error);
-    if (!fs::copy_file(file, copy, fs::copy_options::overwrite_existing, error)) {
-      throw FileError("copy a file of the experiment to", copy.string(), error.value());
-    }
+    copy_to_new_file(file, copy.string());
   }
 }
 

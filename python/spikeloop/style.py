@@ -1,10 +1,14 @@
 """The look of every picture: one size of type, few colours, all told apart by the colour-blind."""
 
+import os
+
 import matplotlib
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import ListedColormap, to_rgb
 from matplotlib.figure import Figure
+
+from .whole_file import create
 
 # Okabe & Ito's palette, which stays distinct with every kind of colour vision.
 BLUE = "#0072B2"
@@ -69,7 +73,8 @@ def save(figure, path):
     # savefig() draws a figure that has a layout twice, the first time only to place its parts.
     figure.get_layout_engine().execute(figure)
     figure.set_layout_engine(None)
-    figure.savefig(path, dpi=dpi)
+    with create(path) as file:
+        figure.savefig(file, dpi=dpi, format=os.path.splitext(path)[1][1:])
 
 
 def legend_beside(axes, handles=None):

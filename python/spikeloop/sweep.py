@@ -24,7 +24,7 @@ from .experiment import SpikeloopError, call, program, setting_words
 from .progress import Progress, Stopped, end_process, note_signals
 from .run_folder import counters_of, did_you_mean
 from .summary import ROWS
-from .whole_file import write_whole
+from .whole_file import create, write_whole
 
 EXIT_FAILED, EXIT_USAGE, EXIT_FILE = 1, 2, 4
 STATE = "sweep.json"
@@ -46,7 +46,7 @@ case $SLURM_ARRAY_TASK_ID in
 esac
 run=$1
 shift
-mkdir -p "$run" && rm -f "$run/{exit_code}" || exit 4
+mkdir -p "$run" && rm -f "$run/{exit_code}" "$run/stderr.txt" || exit 4
 {program} run -q --out "$run" --force "$@" -- {file} > /dev/null 2> "$run/stderr.txt"
 code=$?
 echo $code > "$run/{exit_code}"
@@ -202,7 +202,7 @@ class Worker:
         self.number, self.began = number, time.monotonic()
         folder = sweep.folder / sweep.name(number)
         folder.mkdir(exist_ok=True)
-        self._said = open(folder / "stderr.txt", "w+", encoding="utf-8")
+        self._said = create(folder / "stderr.txt", "x+", encoding="utf-8")
         self.process = subprocess.Popen(
             [program(), "run", "-q", "--out", str(folder), "--force",
              *setting_words(sweep.runs[number - 1], str), "--", str(sweep.file)],

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <semaphore.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -17,6 +18,7 @@
 #include "spikeloop/core/background.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 #include "stream.hpp"
 
 namespace spikeloop::record {
@@ -30,13 +32,17 @@ constexpr hsize_t kSpareBytes = 65'536;  // object headers, attributes
 constexpr std::size_t kBatchBytes = std::size_t{8} << 20;
 
 /// The oldest format: the newer ones mark a file as open, and a killed process would leave it so.
-/// Unlocked, so that one can look into the file of a run that is under way.
-hdf5::Handle create_file(const std::string& path) {
+/// Unlocked, so that one can look into the file of a run that is under way. Opened by its
+/// descriptor: HDF5 would follow a link that takes the name of the new file.
+hdf5::Handle create_recording(const std::string& path) {
+  const int made = create_file(path);
   const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS));
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18);
   H5Pset_file_locking(access.get(), 0, 1);
-  return hdf5::Handle(hdf5::check(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()),
-                                  "create", path));
+  const hid_t file = H5Fcreate(fmt::format("/proc/self/fd/{}", made).c_str(), H5F_ACC_TRUNC,
+                               H5P_DEFAULT, access.get());
+  ::close(made);
+  return hdf5::Handle(hdf5::check(file, "create", path));
 }
 
 void write_file_attributes(const hdf5::Handle& file, const std::string& path,
@@ -120,9 +126,8 @@ Recorder::Recorder(const std::string& path, const std::string& process,
                    const RunAttributes& attributes, const RecorderOptions& options)
     : impl_(std::make_unique<Impl>(path, options)) {
   {
-    make_empty_file(path);
     const hdf5::Lock lock;
-    impl_->file = create_file(path);
+    impl_->file = create_recording(path);
     write_file_attributes(impl_->file, path, process, attributes);
     impl_->spikes = create_group(impl_->file, "spikes", path);
     impl_->signals = create_group(impl_->file, "signals", path);

@@ -1,9 +1,14 @@
 #include "spikeloop/core/file.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <functional>
+#include <string>
 
 #include "spikeloop/core/error.hpp"
 #include "tests/support/temporary_directory.hpp"
@@ -39,12 +44,49 @@ TEST_F(WriteFile, ReplacesTheWholeFileByAnother) {
   EXPECT_EQ(files(), 2);
 }
 
-TEST_F(WriteFile, WritesThroughALink) {
-  write_file(path("target"), "first");
-  fs::create_symlink(path("target"), path("link"));
-  write_file(path("link"), "second");
-  EXPECT_EQ(text("target"), "second");
-  EXPECT_TRUE(fs::is_symlink(path("link")));
+TEST_F(WriteFile, ReplacesALinkAndNotItsTarget) {
+  const std::function<void(const std::string&)> writers[] = {
+      [](const std::string& file) { write_file(file, "second"); },
+      [](const std::string& file) { create_stream(file) << "second"; },
+      [this](const std::string& file) { copy_to_new_file(path("source"), file); }};
+  write_file(path("source"), "second");
+  for (const auto& write : writers) {
+    write_file(path("target"), "first");
+    for (const char* target : {"target", "nowhere"}) {  // a link without a target counts as a file
+      for (const char* link : {"link", "link.new"}) {
+        fs::remove(path(link));
+        fs::create_symlink(path(target), path(link));
+      }
+      write(path("link"));
+      EXPECT_EQ(text("target"), "first");
+      EXPECT_FALSE(fs::exists(path("nowhere")));
+      EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(path("link"))));
+      EXPECT_EQ(text("link"), "second");
+    }
+  }
+}
+
+TEST_F(WriteFile, CopiesAnEmptyFile) {
+  write_file(path("source"), "");
+  copy_to_new_file(path("source"), path("copy"));
+  EXPECT_EQ(text("copy"), "");
+}
+
+TEST_F(WriteFile, WritesToAPipeInPlace) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const int reader = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  write_file(path("pipe"), "text");
+  char buffer[9] = {};
+  EXPECT_EQ(::read(reader, buffer, sizeof buffer), 4);
+  ::close(reader);
+  EXPECT_TRUE(fs::is_fifo(path("pipe")));
+}
+
+TEST_F(WriteFile, WritesToAnOpenDescriptorInPlace) {
+  const int file = ::open(path("out").c_str(), O_WRONLY | O_CREAT, 0600);
+  write_file("/dev/fd/" + std::to_string(file), "text");  // as /dev/stdout
+  ::close(file);
+  EXPECT_EQ(text("out"), "text");
 }
 
 TEST_F(WriteFile, NamesTheFileThatCannotBeWritten) {

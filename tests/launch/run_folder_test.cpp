@@ -67,6 +67,22 @@ TEST_F(Folder, OfSomebodyElseKeepsItsFiles) {
   EXPECT_TRUE(std::filesystem::exists(directory_.path() / "experiment-files" / "x"));
 }
 
+TEST_F(Folder, LinksCountAsFilesAndAreReplaced) {
+  for (const char* name : {"log.txt", "eye.h5", "experiment-files"}) {
+    const auto link = directory_.path() / name;
+    std::filesystem::create_symlink("nowhere", link);
+    refused(std::string("is not that of a run, and has a file '") + name +
+            "', which a run writes; write --force to replace it");
+    const RunFolder folder(path_, "", true);
+    EXPECT_THAT(files(), testing::IsEmpty());
+  }
+}
+
+TEST_F(Folder, WithoutANameIsNotALinkThatLeadsNowhere) {
+  std::filesystem::create_symlink("nowhere", directory_.path() / "a-1");
+  EXPECT_EQ(RunFolder("", path_ + "/a", false).path(), path_ + "/a-2");
+}
+
 TEST_F(Folder, OfARunThatNeverBeganIsUsedAgain) {
   for (const char* summary : {R"({"simulated_s": 0})", "{}", "[1]", "no JSON"}) {
     directory_.write("summary.json", summary);

@@ -68,11 +68,10 @@ JobRun::JobRun(const EffectiveFile& effective, const JobOptions& options,
       group_(receiver_, {[this](const nlohmann::json& message) { take_message(message); },
                          [this](int number) { take_signal(number); }}) {
   write_file(file_, to_text(effective.file));
-  write_file(folder_ + "/mpirun.log", "");
   if (!options.versions.empty()) {
     write_file(folder_ + "/versions.json", options.versions);
   }
-  log_.open(folder_ + "/mpirun.log");
+  log_ = create_stream(folder_ + "/mpirun.log");
 }
 
 JobRun::~JobRun() = default;

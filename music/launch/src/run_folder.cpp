@@ -17,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSummary = "summary.json";
+constexpr const char* kFilesFolder = "experiment-files";
 /// What a run writes beside its recordings, and another one need not write again.
 constexpr const char* kFiles[] = {kSummary,       "resolved.json", "trajectory.csv",
                                   "episodes.csv", "world.json",    "messages.mcap",
@@ -31,7 +32,7 @@ std::string first_free(const std::string& prefix) {
     if (fs::create_directory(path, error)) {
       return path;
     }
-    if (error) {
+    if (error && error != std::errc::file_exists) {  // a link without a target, for example
       throw FileError("make directory", path, error.value());
     }
   }
@@ -76,6 +77,23 @@ bool has_ticked(const fs::path& folder) {
          contents["simulated_s"].is_number() && contents["simulated_s"] > 0;
 }
 
+/// Links count: a run would write its file in place of the link.
+std::vector<fs::path> files_in_the_way(const fs::path& folder) {
+  std::vector<fs::path> found;
+  for (const char* name : kFiles) {
+    if (fs::exists(fs::symlink_status(folder / name))) {
+      found.push_back(folder / name);
+    }
+  }
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const fs::path name = entry.path().filename();
+    if (entry.is_symlink() && (name.extension() == ".h5" || name == kFilesFolder)) {
+      found.push_back(entry.path());
+    }
+  }
+  return found;
+}
+
 /// Its files may be removed; what has their names in another folder is somebody else's.
 bool is_run_folder(const fs::path& folder) {
   std::error_code ignored;
@@ -108,20 +126,23 @@ RunFolder::RunFolder(const std::string& wanted, const std::string& prefix, bool 
                                        "replace them, or give another folder with --out",
                                        shown_));
   }
-  for (const char* name : kFiles) {
-    if (!ours && !force && fs::exists(folder / name)) {
-      throw ConfigurationError(with_code(Code::no_access,
-                                         "the folder '{}' is not that of a run, and has a file "
-                                         "'{}', which a run writes; write --force to replace it, "
-                                         "or give another folder with --out",
-                                         shown_, name));
-    }
-  }
   if (!ours) {
+    for (const fs::path& file : files_in_the_way(folder)) {
+      if (!force) {
+        throw ConfigurationError(with_code(Code::no_access,
+                                           "the folder '{}' is not that of a run, and has a file "
+                                           "'{}', which a run writes; write --force to replace it, "
+                                           "or give another folder with --out",
+                                           shown_, file.filename().string()));
+      }
+      if (fs::is_symlink(file)) {
+        remove_file(file);
+      }
+    }
     return;
   }
   std::error_code ignored;
-  fs::remove_all(folder / "experiment-files", ignored);
+  fs::remove_all(folder / kFilesFolder, ignored);
   // The summary first: whoever finds one finds the recordings that it is about.
   for (const char* name : kFiles) {
     remove_file(folder / name);

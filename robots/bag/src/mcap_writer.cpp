@@ -7,6 +7,7 @@
 
 #include "mcap_format.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 
 namespace spikeloop::bag::mcap {
 namespace {
@@ -34,7 +35,7 @@ std::string pairs_of(const Pairs& pairs) {
 }  // namespace
 
 Writer::Writer(const std::string& path, std::string_view profile)
-    : path_(path), file_(std::fopen(path.c_str(), "wb")) {
+    : path_(path), file_(::fdopen(create_file(path), "wb")) {
   if (file_ == nullptr) {
     throw FileError("create", path, errno);
   }

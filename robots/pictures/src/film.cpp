@@ -1,6 +1,5 @@
 #include "spikeloop/pictures/film.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -60,13 +59,12 @@ void make_empty_directory(const std::string& path) {
   }
 }
 
-/// A picture of the end is written when the drive is over: too late to hear that it cannot be.
+/// The picture of the final state is written after the drive: too late to report that it cannot be
+/// written.
 void try_to_write(const std::string& path) {
-  const bool was_there = fs::exists(path);
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (file < 0) throw FileError("write", path, errno);
-  ::close(file);
-  if (!was_there) ::unlink(path.c_str());
+  const fs::path folder = fs::absolute(path).parent_path();
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) throw FileError("write", path, errno);
+  if (fs::is_directory(path)) throw FileError("write", path, EISDIR);
 }
 
 std::uint32_t pixels(std::string_view text, std::string_view whole) {

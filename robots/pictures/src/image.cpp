@@ -3,8 +3,10 @@
 #include <png.h>
 
 #include <cerrno>
+#include <cstdio>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 
 namespace spikeloop::pictures {
 
@@ -14,8 +16,10 @@ void write_png(const std::string& path, const Image& image) {
   header.width = image.size.width;
   header.height = image.size.height;
   header.format = PNG_FORMAT_RGB;
+  std::FILE* const file = ::fdopen(create_file(path), "wb");
   errno = 0;
-  if (png_image_write_to_file(&header, path.c_str(), 0, image.rgb.data(), 0, nullptr) == 0) {
+  const int written = png_image_write_to_stdio(&header, file, 0, image.rgb.data(), 0, nullptr);
+  if (std::fclose(file) != 0 || written == 0) {
     throw FileError("write", path, errno != 0 ? errno : EIO);
   }
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 
 extern char** environ;
 
@@ -41,6 +42,7 @@ std::vector<std::string> arguments_for(const std::string& path, const Size& size
 
 // A socket, not a pipe: writing to one whose reader has died can be told not to signal.
 Video::Video(const std::string& path, const Size& size, double rate_hz) : path_(path) {
+  make_empty_file(path);  // ffmpeg would write to the target of a link
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
     throw FileError("write", path, errno);
@@ -66,6 +68,7 @@ Video::Video(const std::string& path, const Size& size, double rate_hz) : path_(
   if (error != 0) {
     process_ = -1;
     ::close(input_);
+    ::unlink(path.c_str());
     throw ConfigurationError(fmt::format(
         "cannot write '{}': ffmpeg, which makes films, is not installed; write a directory for "
         "single pictures, or install it:  apt-get install ffmpeg",

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 
 namespace spikeloop::robot {
 
@@ -20,8 +21,7 @@ Episodes::Episodes(const EpisodeSettings& settings, const std::string& folder)
     return;
   }
   path_ = (std::filesystem::path(folder) / kEpisodesFile).string();
-  errno = 0;
-  file_.open(path_);
+  file_ = create_stream(path_);
   file_ << "episode,begin_s,end_s,steps,return,success,end\n";
   check_file();
 }

@@ -113,9 +113,7 @@ nlohmann::json describe(const std::vector<vehicle::Obstacle>& footprints) {
 
 TrajectoryFile::TrajectoryFile(const std::string& directory)
     : path_(in_directory(directory, "trajectory.csv")) {
-  errno = 0;
-  file_.open(path_);
-  if (!file_) throw FileError("write", path_, errno);
+  file_ = create_stream(path_);
   file_ << "t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions\n";
 }
 

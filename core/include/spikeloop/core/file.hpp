@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <fstream>
 #include <string>
 #include <string_view>
 
@@ -17,9 +18,26 @@ void require_regular_file(const std::string& path, std::string_view kind);
 /// bytes than `limit`.
 std::string read_file(const std::string& path, std::string_view kind, std::uint64_t limit);
 
-/// Writes the whole file beside `path` and renames it, so nobody reads half of it. What is not a
-/// regular file (a link, /dev/stdout) is written in place.
+/// Writes a new file next to `path` and renames it, so that no reader sees half a file. Replaces a
+/// symbolic link, as create_file() does.
 /// @throws FileError
 void write_file(const std::string& path, std::string_view text);
+
+/// Creates a file for writing. Removes a file or symbolic link of that name first: another user who
+/// can write to the folder could have made a link to any file of ours. Opens pipes, devices, and
+/// files of /dev and /proc (/dev/stdout), without creating or removing anything.
+/// @returns a file descriptor, which the caller closes
+/// @throws FileError
+int create_file(const std::string& path);
+
+/// create_file() as a stream. @throws FileError
+std::ofstream create_stream(const std::string& path);
+
+/// create_file() for a library that opens the file itself. Libraries seldom report the system's
+/// reason for an error; this function does. @throws FileError
+void make_empty_file(const std::string& path);
+
+/// Copies the contents of `from` to a file that create_file() makes. @throws FileError
+void copy_to_new_file(const std::string& from, const std::string& to);
 
 }  // namespace spikeloop
