@@ -102,7 +102,7 @@ TEST(WorldErrors, WithPartsOfTheRobotMissing) {
   EXPECT_EQ(complaint_of_vehicle("<numeric name=\"laser\"", "<numeric name=\"lidar\""),
             "has no numeric 'laser'; write <custom><numeric name=\"laser\" data=\"...\"/></custom> "
             "with 6 numbers: beams (2 to 10000), first and last angle (rad, rising), smallest and "
-            "largest range (m, rising), scans per second [SL0801]");
+            "largest range (m, rising), scans per second (0.001 to 1000) [SL0801]");
   EXPECT_THAT(
       complaint_of_vehicle("data=\"100 -1.5", "data=\"0.5 -1.5"),
       Fault("numeric 'laser' is \"0.5 -1.5707963267948966 1.5707963267948966 0.05 5 20\"; write 6 "
@@ -141,6 +141,68 @@ TEST(WorldErrors, TheArenasOutline) {
             "numeric 'arena' is \"3 3\"; write 4 numbers: " + meaning + " [SL0801]");
   EXPECT_EQ(complaint(R"(<numeric name="arena" data="3 3 -3 -3"/>)", kFloor),
             "numeric 'arena' is \"3 3 -3 -3\", which is empty; write " + meaning + " [SL0801]");
+}
+
+TEST(WorldErrors, NumbersOutOfRangeNameTheLine) {
+  const auto refuses = [](const std::string& numerics, const std::string& bodies,
+                          const std::string& line, const std::string& text) {
+    const World world("\n" + numerics, "\n" + kFloor + "\n" + bodies);
+    EXPECT_THAT(message<ConfigurationError>(world.path()),
+                Fault(world.path() + ":" + line + ": " + text));
+  };
+  const auto arena = [&](const std::string& most, const std::string& text) {
+    refuses("<numeric name='arena'\n data='-3 -3 3 " + most + "'/>", "", "4", text);
+  };
+  arena("1e9", "numeric 'arena' ... 1000000003 m; write at most 1000 m ... [SL0801]");
+  arena("9223372036854775808",
+        "numeric 'arena' ... 9.223372036854776e+18; ... 1e+09: ... [SL0801]");
+  arena("1e20", "numeric 'arena' ... 1e+20; ... 1e+09: ... [SL0801]");
+  arena("nan", "numeric 'arena' ... nan; ... 1e+09: ... [SL0801]");
+  refuses(kArena + "<numeric name=\"start\" data=\"0 0 1e10\"/>", "", "3",
+          "numeric 'start' ... 10000000000; ... [SL0801]");
+  const auto body = [&](const std::string& element, const std::string& text) {
+    refuses(kArena + kStart, "<!-- size=\"1e300\" -->\n" + element, "7", text + " [SL0203]");
+  };
+  body("<geom size=\"1e300\"/>", "<geom>: size=\"1e300\" ... at most 1000000");
+  body("<body pos='0 0 -inf'/>", "<body>: pos=\"-inf\" ... at most 1000000");
+  body("<composite count='3 2000 1'/>", "<composite>: count=\"2000\" ... at most 1000");
+}
+
+TEST(WorldErrors, CountsThatAreMemoryOrLoops) {
+  const auto refuses = [](const std::string& part, const std::string& attribute) {
+    const World world("<mujoco>\n" + part + "\n</mujoco>");
+    EXPECT_THAT(message<ConfigurationError>(world.path()),
+                Fault(world.path() + ":2: ... " + attribute + " ... write at most ... [SL0203]"));
+  };
+  refuses("<asset><hfield name='h' nrow='1000000000' ncol='9'/></asset>", "nrow=\"1000000000\"");
+  refuses("<asset><texture type='2d' width='2e9' height='2'/></asset>", "width=\"2e9\"");
+  refuses("<size nconmax='100000000'/>", "nconmax=\"100000000\"");
+  refuses("<visual><quality numslices='2000000000'/></visual>", "numslices=\"2000000000\"");
+  refuses("<visual><quality shadowsize='1000000'/></visual>", "shadowsize=\"1000000\"");
+  refuses("<sensor><user dim='100000000'/></sensor>", "dim=\"100000000\"");
+  refuses("<custom><numeric name='n' size='100000000'/></custom>", "size=\"100000000\"");
+}
+
+TEST(WorldErrors, ANumberOfAnIncludedFile) {
+  const test::TemporaryDirectory directory;
+  const std::string part =
+      directory.write("part.xml",
+                      "<mujocoinclude>\n<custom>\n<numeric name=\"arena\" data=\"0 0 1e9 1\"/>\n"
+                      "</custom></mujocoinclude>");
+  const std::string world = directory.write(
+      "world.xml", mjcf(kStart, kFloor + "</worldbody><include file=\"part.xml\"/><worldbody>"));
+  EXPECT_THAT(message<ConfigurationError>(world), Fault(part + ":3: numeric 'arena' ... [SL0801]"));
+}
+
+TEST(WorldErrors, ManyObstaclesThatDoNotFitAreRefusedSoon) {
+  std::string bodies = kFloor;
+  for (int i = 0; i < 400; ++i) {
+    bodies += "<body name=\"obstacle_" + std::to_string(i) +
+              "\" mocap=\"true\"><geom type=\"cylinder\" size=\"0.1 0.2\"/></body>";
+  }
+  const std::string numerics =
+      R"(<numeric name="arena" data="0 0 20 20"/><numeric name="passage" data="0.75"/>)";
+  EXPECT_THAT(complaint(numerics, bodies), Fault("its 400 obstacles do not fit ... [SL0801]"));
 }
 
 TEST(WorldErrors, Obstacles) {

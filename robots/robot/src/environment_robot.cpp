@@ -12,7 +12,9 @@ enum Topic : std::size_t { kObservation, kReward, kEpisode };
 EpisodeSettings with_defaults(EpisodeSettings settings, const environments::Description& about,
                               TimeNs step) {
   if (settings.time_limit == kNever && about.max_steps > 0) {
-    settings.time_limit = static_cast<TimeNs>(about.max_steps) * step;
+    const auto longest = static_cast<std::uint64_t>(kNever / step);
+    settings.time_limit =
+        about.max_steps < longest ? static_cast<TimeNs>(about.max_steps) * step : kNever;
   }
   settings.step = step;
   settings.lasts = about.lasts;

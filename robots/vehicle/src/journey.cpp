@@ -15,6 +15,12 @@ std::size_t cells_along(double length) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(length / kCell - 1e-9)));
 }
 
+/// Index of the cell at a distance (m) from the arena's edge; the nearest one if it is outside.
+std::size_t cell_at(double distance, std::size_t cells) {
+  return static_cast<std::size_t>(
+      std::clamp(distance / kCell, 0.0, static_cast<double>(cells - 1)));
+}
+
 }  // namespace
 
 Coverage::Coverage(const Arena& arena, const std::vector<Obstacle>& obstacles,
@@ -26,22 +32,42 @@ Coverage::Coverage(const Arena& arena, const std::vector<Obstacle>& obstacles,
       visited_(columns_ * rows_) {
   for (std::size_t row = 0; row < rows_; ++row) {
     for (std::size_t column = 0; column < columns_; ++column) {
-      const double x = arena.min_x_m + (static_cast<double>(column) + 0.5) * kCell;
-      const double y = arena.min_y_m + (static_cast<double>(row) + 0.5) * kCell;
-      const bool is_free = clearance_m(arena, obstacles, x, y) >= vehicle_radius_m;
-      free_[row * columns_ + column] = is_free;
-      free_cells_ += is_free ? 1 : 0;
+      const auto [x, y] = centre(column, row);
+      free_[row * columns_ + column] = clearance_m(arena, {}, x, y) >= vehicle_radius_m;
+    }
+  }
+  for (const Obstacle& obstacle : obstacles) occupy(obstacle, vehicle_radius_m);
+  free_cells_ = static_cast<std::uint64_t>(std::ranges::count(free_, true));
+}
+
+std::pair<double, double> Coverage::centre(std::size_t column, std::size_t row) const {
+  return {arena_.min_x_m + (static_cast<double>(column) + 0.5) * kCell,
+          arena_.min_y_m + (static_cast<double>(row) + 0.5) * kCell};
+}
+
+/// Only cells near the obstacle: a world may have many cells and many obstacles.
+void Coverage::occupy(const Obstacle& obstacle, double vehicle_radius_m) {
+  const double reach =
+      std::max(obstacle.radius_m, std::hypot(obstacle.half_x_m, obstacle.half_y_m)) +
+      vehicle_radius_m;
+  const std::size_t last_column = cell_at(obstacle.x_m + reach - arena_.min_x_m, columns_);
+  const std::size_t last_row = cell_at(obstacle.y_m + reach - arena_.min_y_m, rows_);
+  for (std::size_t row = cell_at(obstacle.y_m - reach - arena_.min_y_m, rows_); row <= last_row;
+       ++row) {
+    for (std::size_t column = cell_at(obstacle.x_m - reach - arena_.min_x_m, columns_);
+         column <= last_column; ++column) {
+      const auto [x, y] = centre(column, row);
+      if (obstacle.distance_m(x, y) < vehicle_radius_m) free_[row * columns_ + column] = false;
     }
   }
 }
 
 void Coverage::visit(double x, double y) {
-  if (x < arena_.min_x_m || x >= arena_.max_x_m || y < arena_.min_y_m || y >= arena_.max_y_m) {
+  if (!(x >= arena_.min_x_m && x < arena_.max_x_m && y >= arena_.min_y_m && y < arena_.max_y_m)) {
     return;
   }
-  const auto column = static_cast<std::size_t>((x - arena_.min_x_m) / kCell);
-  const auto row = static_cast<std::size_t>((y - arena_.min_y_m) / kCell);
-  const std::size_t cell = row * columns_ + column;
+  const std::size_t cell =
+      cell_at(y - arena_.min_y_m, rows_) * columns_ + cell_at(x - arena_.min_x_m, columns_);
   if (free_[cell] && !visited_[cell]) {
     visited_[cell] = true;
     ++visited_cells_;

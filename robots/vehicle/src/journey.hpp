@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "model.hpp"
@@ -18,6 +19,10 @@ class Coverage {
   std::uint64_t visited_cells() const { return visited_cells_; }
 
  private:
+  std::pair<double, double> centre(std::size_t column, std::size_t row) const;
+  /// Marks the cells whose centres are nearer to the obstacle than the vehicle's radius.
+  void occupy(const Obstacle& obstacle, double vehicle_radius_m);
+
   Arena arena_;
   std::size_t columns_ = 0;
   std::size_t rows_ = 0;

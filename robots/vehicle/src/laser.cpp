@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kMeaning =
     "beams (2 to 10000), first and last angle (rad, rising), smallest and largest range (m, "
-    "rising), scans per second";
+    "rising), scans per second (0.001 to 1000)";
 
 void hide_vehicle(mjModel& model, const Parts& parts) {
   for (int geom = 0; geom < model.ngeom; ++geom) {
@@ -32,9 +32,9 @@ Laser::Laser(mjModel& model, const Names& names, const Parts& parts) : site_(par
   const auto values = names.required_numeric("laser", 6, kMeaning);
   const double beams = values[0];
   if (!(beams >= 2 && beams <= 10000 && beams == std::floor(beams) && values[1] < values[2] &&
-        values[3] >= 0 && values[3] < values[4] && values[5] > 0)) {
+        values[3] >= 0 && values[3] < values[4] && values[5] >= 0.001 && values[5] <= 1000)) {
     throw ConfigurationError(
-        Location{names.path()},
+        names.where("laser"),
         with_code(Code::world, "numeric 'laser' is \"{}\"; write 6 numbers: {}",
                   fmt::join(values, " "), kMeaning));
   }

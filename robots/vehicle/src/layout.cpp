@@ -24,6 +24,8 @@ constexpr std::uint64_t kCue = 2;
 constexpr int kTriesPerObstacle = 100;
 constexpr int kLayouts = 2000;
 constexpr int kTriesForStart = 20000;
+constexpr std::size_t kComparisons = 20'000'000;  // between obstacles, in all layouts
+constexpr double kLongestSide = 1000;             // m
 
 struct Circle {
   double x = 0;
@@ -117,12 +119,13 @@ class Draws {
 };
 
 bool place_one(Circle& circle, const std::vector<Circle>& others, const Arena& arena,
-               double passage, Draws& draws) {
+               double passage, Draws& draws, std::size_t& comparisons) {
   const double edge = circle.radius + passage;
   for (int i = 0; i < kTriesPerObstacle; ++i) {
     circle.x = draws.between(arena.min_x_m + edge, arena.max_x_m - edge);
     circle.y = draws.between(arena.min_y_m + edge, arena.max_y_m - edge);
     circle.heading = draws.between(-std::numbers::pi, std::numbers::pi);
+    comparisons += others.size();
     if (far_enough(circle, others, arena, passage)) return true;
   }
   return false;
@@ -132,14 +135,15 @@ bool place_one(Circle& circle, const std::vector<Circle>& others, const Arena& a
 void place(std::vector<ObstacleBody>& obstacles, const Arena& arena, double passage,
            std::uint64_t seed, const Names& names) {
   Draws draws(seed, kObstacles);
-  for (int layout = 0; layout < kLayouts; ++layout) {
+  std::size_t comparisons = 0;
+  for (int layout = 0; layout < kLayouts && comparisons < kComparisons; ++layout) {
     std::vector<Circle> standing;
     for (const auto& obstacle : obstacles) {
       if (obstacle.mocap < 0) standing.push_back(obstacle.circle);
     }
     const bool complete = std::all_of(obstacles.begin(), obstacles.end(), [&](ObstacleBody& body) {
       if (body.mocap < 0) return true;
-      if (!place_one(body.circle, standing, arena, passage, draws)) return false;
+      if (!place_one(body.circle, standing, arena, passage, draws, comparisons)) return false;
       standing.push_back(body.circle);
       return true;
     });
@@ -254,7 +258,7 @@ Pose start_pose(const Arena& arena, const std::vector<Obstacle>& obstacles,
     const Pose pose{(*fixed)[0], (*fixed)[1], (*fixed)[2]};
     if (clearance_m(arena, obstacles, pose.x_m, pose.y_m) < parts.radius_m) {
       throw ConfigurationError(
-          Location{names.path()},
+          names.where("start"),
           with_code(Code::world,
                     "numeric 'start' = ({}, {}) is nearer than the vehicle's radius of {:.3f} m "
                     "to a wall or an obstacle; write a free place",
@@ -275,9 +279,16 @@ Arena read_arena(const Names& names) {
   const auto values = names.required_numeric("arena", 4, kMeaning);
   if (!(values[0] < values[2] && values[1] < values[3])) {
     throw ConfigurationError(
-        Location{names.path()},
+        names.where("arena"),
         with_code(Code::world, "numeric 'arena' is \"{}\", which is empty; write {}",
                   fmt::join(values, " "), kMeaning));
+  }
+  const double longest = std::max(values[2] - values[0], values[3] - values[1]);
+  if (longest > kLongestSide) {
+    throw ConfigurationError(
+        names.where("arena"),
+        with_code(Code::world, "numeric 'arena' has a side of {} m; write at most {} m from {}",
+                  longest, kLongestSide, kMeaning));
   }
   return {values[0], values[1], values[2], values[3]};
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <string>
 
@@ -52,7 +51,7 @@ Pose CentreLine::at(double along_m) const {
 std::optional<LanePosition> find_lane_position(const std::vector<Obstacle>& lanes,
                                                const Pose& pose) {
   std::optional<LanePosition> result;
-  double least = std::numeric_limits<double>::infinity();
+  double least = 0;
   for (const Obstacle& lane : lanes) {
     const CentreLine line(lane);
     const double along = std::cos(line.middle.theta_rad) * (pose.x_m - line.middle.x_m) +
@@ -62,7 +61,7 @@ std::optional<LanePosition> find_lane_position(const std::vector<Obstacle>& lane
     const double dy = pose.y_m - nearest.y_m;
     const double distance = std::hypot(dx, dy);
     // In widths of the lane, so that a vehicle inside a wide lane is not judged by a narrow one.
-    if (distance / line.half_width_m >= least) continue;
+    if (result && distance / line.half_width_m >= least) continue;
     least = distance / line.half_width_m;
     // A box has no direction: of the line's two, the one that is nearer to the heading.
     const double angle = std::remainder(pose.theta_rad - nearest.theta_rad, std::numbers::pi);

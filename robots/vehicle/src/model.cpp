@@ -138,6 +138,8 @@ namespace {
 using Reason = std::array<char, 1000>;
 
 constexpr int kTrialSteps = 100;  // until the wheels touch the floor
+constexpr double kLargestNumber = 1e9;
+constexpr std::size_t kNumbersShown = 10;
 
 ModelPointer read_model(const std::string& path, Reason& reason) {
   const auto files = shipped_files(path);
@@ -145,12 +147,14 @@ ModelPointer read_model(const std::string& path, Reason& reason) {
       mj_loadXML(path.c_str(), files.get(), reason.data(), static_cast<int>(reason.size())));
 }
 
-/// MuJoCo crashes on some files, and on others does not come to an end, at once or when it steps.
+/// MuJoCo crashes on some files, and on others does not come to an end, at once or when it steps. A
+/// Simulation has the data twice.
 void try_model(const std::string& path) {
   try_in_a_copy(path, "MuJoCo", [&] {
     Reason reason{};
     const ModelPointer model = read_model(path, reason);
     mjData* const data = model ? mj_makeData(model.get()) : nullptr;
+    [[maybe_unused]] mjData* const second = data ? mj_makeData(model.get()) : nullptr;
     for (int i = 0; data != nullptr && i < kTrialSteps; ++i) {
       mj_step(model.get(), data);
     }
@@ -162,6 +166,7 @@ void try_model(const std::string& path) {
 ModelPointer load_model(const std::string& path) {
   install_handlers();
   require_regular_file(path, "world");
+  check_numbers(read_model_files(path));
   try_model(path);
   Reason reason{};
   ModelPointer model = read_model(path, reason);
@@ -171,7 +176,6 @@ ModelPointer load_model(const std::string& path) {
     throw_not_mjcf(path, text);
   }
   if (reason[0] != '\0') log::warning("{}: {}", path, reason.data());
-  note_model_files(path);
   return model;
 }
 
@@ -191,14 +195,27 @@ std::optional<std::vector<double>> Names::numeric(const std::string& name, std::
   if (id < 0) return std::nullopt;
   const mjtNum* data = model_->numeric_data + model_->numeric_adr[id];
   std::vector<double> values(data, data + model_->numeric_size[id]);
-  const bool finite =
-      std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-  if (values.size() != count || !finite) {
-    throw ConfigurationError(Location{path_},
-                             with_code(Code::world, "numeric '{}' is \"{}\"; write {} numbers: {}",
-                                       name, fmt::join(values, " "), count, meaning));
+  if (values.size() != count) {
+    values.resize(std::min(values.size(), kNumbersShown));
+    throw ConfigurationError(
+        where(name), with_code(Code::world, "numeric '{}' is \"{}\"; write {} numbers: {}", name,
+                               fmt::join(values, " "), count, meaning));
+  }
+  for (const double value : values) {
+    if (!(std::abs(value) <= kLargestNumber)) {
+      throw ConfigurationError(
+          where(name),
+          with_code(Code::world,
+                    "numeric '{}' has the number {}; write {} numbers from {:g} to {:g}: {}", name,
+                    value, count, -kLargestNumber, kLargestNumber, meaning));
+    }
   }
   return values;
+}
+
+Location Names::where(const std::string& numeric) const {
+  const Location place = find_attribute(read_model_files(path_), "numeric", "data", numeric);
+  return place.line > 0 ? place : Location{path_};
 }
 
 std::vector<double> Names::required_numeric(const std::string& name, std::size_t count,

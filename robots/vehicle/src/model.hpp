@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "spikeloop/core/error.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
 
 namespace spikeloop::vehicle {
@@ -33,12 +34,14 @@ class Names {
 
   int find(mjtObj type, std::string_view kind, const std::string& name,
            std::string_view remedy) const;
-  /// Numbers of `<numeric name= data=>`; nothing when there is none of that name.
+  /// Numbers of `<numeric name= data=>`, from -1e9 to 1e9. nullopt if there is none of that name.
   std::optional<std::vector<double>> numeric(const std::string& name, std::size_t count,
                                              std::string_view meaning) const;
   std::vector<double> required_numeric(const std::string& name, std::size_t count,
                                        std::string_view meaning) const;
   double number(const std::string& name, double default_value, std::string_view meaning) const;
+  /// Line of the data of a numeric, as far as it is known.
+  Location where(const std::string& numeric) const;
   std::string body(int id) const { return text(mj_id2name(model_, mjOBJ_BODY, id)); }
   std::string geom(int id) const { return text(mj_id2name(model_, mjOBJ_GEOM, id)); }
   std::string joint(int id) const { return text(mj_id2name(model_, mjOBJ_JOINT, id)); }

@@ -1,7 +1,6 @@
 #include "model_files.hpp"
 
 #include <filesystem>
-#include <regex>
 #include <set>
 
 #include "spikeloop/core/error.hpp"
@@ -15,54 +14,64 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kLargestText = 10'000'000;  // bytes
+constexpr std::size_t kMostFolders = 10;
 
-std::vector<std::string> values_of(const std::string& text, const char* attributes) {
-  const std::regex pattern(std::string("\\b(?:") + attributes + ")\\s*=\\s*[\"']([^\"']+)[\"']");
-  std::vector<std::string> values;
-  for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end; ++match) {
-    values.push_back((*match)[1]);
-  }
-  return values;
-}
+/// Follows the names of files from a model to all files that it is made of.
+class Collector {
+ public:
+  explicit Collector(const std::string& model) : model_(model) { add(model_); }
 
-void note(const fs::path& file, const fs::path& model, std::vector<std::string>& folders,
-          std::set<fs::path>& seen) {
-  std::error_code error;
-  if (!fs::is_regular_file(file, error) || !seen.insert(file).second) {
-    return;
-  }
-  FilesRead::note(file.string());
-  if (file.extension() != ".xml") {
-    return;
-  }
-  std::string text;
-  try {
-    text = read_file(file.string(), "model", kLargestText);
-  } catch (const Error&) {
-    return;  // MuJoCo has read the model without it
-  }
-  for (const std::string& folder : values_of(text, "meshdir|texturedir|assetdir")) {
-    folders.push_back(folder);
-  }
-  for (const std::string& name : values_of(text, "file")) {
-    for (const std::string& folder : std::vector(folders)) {
-      note((model.parent_path() / folder / name).lexically_normal(), model, folders, seen);
+  std::vector<ModelText> texts;
+
+ private:
+  void add(const fs::path& file) {
+    std::error_code error;
+    if (!fs::is_regular_file(file, error) || !seen_.insert(file).second) {
+      return;
     }
-    note((file.parent_path() / name).lexically_normal(), model, folders, seen);
+    FilesRead::note(file.string());
+    if (file != model_ && file.extension() != ".xml") {
+      return;
+    }
+    std::string text;
+    try {
+      text = read_file(file.string(), "model", kLargestText);
+    } catch (const Error&) {
+      return;  // MuJoCo reports it
+    }
+    std::vector<fs::path> named;
+    for (const Attribute& attribute : parse_attributes(text)) {
+      const bool is_folder = attribute.name == "meshdir" || attribute.name == "texturedir" ||
+                             attribute.name == "assetdir";
+      if (is_folder && folders_.size() < kMostFolders) {
+        folders_.emplace_back(attribute.value);
+      } else if (attribute.name == "file") {
+        named.emplace_back(attribute.value);
+      }
+    }
+    texts.push_back({file.string(), std::move(text)});
+    for (const fs::path& name : named) {
+      for (const fs::path& folder : std::vector(folders_)) {
+        add((model_.parent_path() / folder / name).lexically_normal());
+      }
+      add((file.parent_path() / name).lexically_normal());
+    }
   }
-}
+
+  fs::path model_;
+  std::vector<fs::path> folders_{""};
+  std::set<fs::path> seen_;
+};
 
 }  // namespace
 
-void note_model_files(const std::string& path) {
+std::vector<ModelText> read_model_files(const std::string& path) {
   std::error_code error;
   const fs::path shipped = fs::path(find_world("arena")).parent_path();
   if (fs::equivalent(fs::path(path).parent_path(), shipped, error)) {
-    return;
+    return {};
   }
-  std::vector<std::string> folders{""};
-  std::set<fs::path> seen;
-  note(fs::path(path), fs::path(path), folders, seen);
+  return Collector(path).texts;
 }
 
 }  // namespace spikeloop::vehicle

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <string>
+#include <vector>
+
+#include "model_text.hpp"
 
 namespace spikeloop::vehicle {
 
-/// Notes (FilesRead) all files that the attributes `file` of an MJCF file and of those that it
-/// includes name: includes, meshes, textures, height fields. MuJoCo does not tell what it has read.
-/// A shipped world has none to note: its files are those of the installation.
-void note_model_files(const std::string& path);
+/// Reads an MJCF file and all files that it includes, and notes (FilesRead) these and the other
+/// files that their attributes `file` name: meshes, textures, height fields. MuJoCo does not report
+/// what it has read. Empty for a shipped world, whose files are those of the installation.
+std::vector<ModelText> read_model_files(const std::string& path);
 
 }  // namespace spikeloop::vehicle

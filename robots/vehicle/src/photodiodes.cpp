@@ -22,7 +22,7 @@ Photodiodes::Photodiodes(const mjModel& model, const Names& names) {
     if (!name.starts_with("lamp_")) continue;
     const double intensity = names.required_numeric(name, 1, kIntensity)[0];
     if (!(intensity > 0)) {
-      throw ConfigurationError(Location{names.path()},
+      throw ConfigurationError(names.where(name),
                                with_code(Code::world, "numeric '{}' is \"{}\"; write 1 number: {}",
                                          name, intensity, kIntensity));
     }

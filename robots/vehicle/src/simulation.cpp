@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "model.hpp"
+#include "model_files.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
@@ -14,14 +15,21 @@ namespace {
 
 TimeNs read_timestep(const mjModel& model, const std::string& path, double longest) {
   const double seconds = model.opt.timestep;
+  const auto where = [&] {
+    const Location place = find_attribute(read_model_files(path), "option", "timestep");
+    return place.line > 0 ? place : Location{path};
+  };
   if (!(seconds >= 1e-6 && seconds <= longest)) {
     throw ConfigurationError(
-        Location{path},
-        with_code(Code::world,
-                  "has a timestep of {} s; write <option timestep=\"0.002\"/>, at most {}", seconds,
-                  longest));
+        where(), with_code(Code::world,
+                           "has a timestep of {} s; write <option timestep=\"0.002\"/>, at most {}",
+                           seconds, longest));
   }
-  return tick_from_seconds(seconds);
+  try {
+    return tick_from_seconds(seconds);
+  } catch (const ConfigurationError& error) {
+    throw ConfigurationError(where(), error.what());
+  }
 }
 
 std::string name_or(const mjModel& model, mjtObj type, int id, const std::string& otherwise) {

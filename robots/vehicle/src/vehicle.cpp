@@ -37,7 +37,7 @@ Limits read_limits(const Names& names) {
   const auto values = names.required_numeric("command_limits", 4, kLimitsMeaning);
   if (!std::all_of(values.begin(), values.end(), [](double value) { return value > 0; })) {
     throw ConfigurationError(
-        Location{names.path()},
+        names.where("command_limits"),
         with_code(Code::world, "numeric 'command_limits' is \"{}\"; write 4 numbers: {}",
                   fmt::join(values, " "), kLimitsMeaning));
   }
