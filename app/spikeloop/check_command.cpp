@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 
 #include "commands.hpp"
@@ -72,7 +71,6 @@ void add(CLI::App& app, Action& action) {
   struct Arguments {
     std::string file;
     bool strict = false;
-    bool no_code = false;
     bool json = false;
     std::vector<std::string> settings;
   };
@@ -85,13 +83,10 @@ void add(CLI::App& app, Action& action) {
   add_settings(*command, arguments->settings);
   command->add_flag("--json", arguments->json,
                     "Print the experiment with every default, width and delay");
-  command->add_flag("--no-code", arguments->no_code, "Run no code that FILE names");
+  add_no_code(*command);
   command->footer(kFooter);
   command->callback([arguments, &action] {
     action = [arguments] {
-      if (arguments->no_code) {
-        ::setenv(kNoCode, "1", 1);
-      }
       const Settings settings = parse_settings(arguments->settings);
       if (is_experiment(arguments->file)) {
         return check_experiment(arguments->file, settings,

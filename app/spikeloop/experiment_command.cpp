@@ -408,8 +408,18 @@ WrittenJob write_job(const experiment::MusicJob& job, const std::string& folder)
 
 int use_experiment(const std::string& file, const std::function<int(const Experiment&)>& use) {
   const auto loaded = load_with_simulators(file, {});
-  return loaded->diagnostics.empty() ? use(*loaded->experiment)
-                                     : print_diagnostics(file, loaded->diagnostics);
+  if (loaded->diagnostics.empty()) {
+    return use(*loaded->experiment);
+  }
+  const int exit_code = print_diagnostics(file, loaded->diagnostics);
+  if (exit_code != 0) {
+    return exit_code;
+  }
+  put(stderr,
+      fmt::format("spikeloop: {} is not used: what it describes is known when its code runs; leave "
+                  "--no-code out for a file that you trust\n",
+                  file));
+  return kWarningsOnly;
 }
 
 int check_experiment(const std::string& file, const Settings& settings,

@@ -138,6 +138,7 @@ void add(CLI::App& app, Action& action) {
   command->add_option("--hostfile", arguments->hostfile, "Open MPI hostfile")
       ->check(named("hostfile"))
       ->excludes(srun);
+  add_no_code(*command);
   command->footer(kFooter);
   command->callback(
       [arguments, &action] { action = [arguments] { return export_file(*arguments); }; });

@@ -12,6 +12,7 @@
 
 #include "diagram.hpp"
 #include "experiment_command.hpp"
+#include "option_values.hpp"
 #include "output.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/error.hpp"
@@ -36,7 +37,10 @@ constexpr const char* kFooter = R"(Examples:
 
 Shows nodes with their classes, connections with kind, width and delay, and the robot. A .music
 file has one box per section. The file extension selects the format. Needs Graphviz (Debian:
-graphviz).)";
+graphviz).
+
+Loads the plug-ins that FILE names and runs its networks in Python, with your permissions, as
+`spikeloop check` does. Use --no-code for an untrusted file.)";
 
 constexpr const char* kDrawer = "dot";
 const std::vector<std::string> kFormats = {"svg", "png", "pdf", "dot"};
@@ -231,6 +235,7 @@ void add(CLI::App& app, Action& action) {
       ->required();
   command->add_option("--out", arguments->out,
                       "Output file: FILE.svg, .png, .pdf or .dot [SVG to standard output]");
+  add_no_code(*command);
   command->footer(kFooter);
   command->callback([arguments, &action] {
     action = [arguments] { return draw(arguments->file, arguments->out); };

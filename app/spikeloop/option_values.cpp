@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cstdlib>
 #include <limits>
 
 #include "spikeloop/core/error.hpp"
@@ -85,6 +86,11 @@ Settings parse_settings(const std::vector<std::string>& texts) {
     settings.push_back(parse_setting(text));
   }
   return settings;
+}
+
+void add_no_code(CLI::App& command) {
+  command.add_flag_callback(
+      "--no-code", [] { ::setenv(kNoCode, "1", 1); }, "Run no code that FILE names");
 }
 
 CLI::Validator named(const std::string& what) {

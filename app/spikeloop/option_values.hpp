@@ -28,6 +28,9 @@ std::uint64_t seed(const std::string& text);
 void add_settings(CLI::App& command, std::vector<std::string>& texts);
 Settings parse_settings(const std::vector<std::string>& texts);
 
+/// The option --no-code, which holds for this process and the programs that it starts.
+void add_no_code(CLI::App& command);
+
 /// For an option that names a `what`: an unset variable of a shell is not a name.
 CLI::Validator named(const std::string& what);
 

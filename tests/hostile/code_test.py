@@ -51,7 +51,13 @@ def main():
         assert "tauu" in answer.text, answer.text
         for word in ("plugin.py' is code", "brain.py' is code"):
             assert word in answer.text, answer.text
-        assert not ran.exists(), "code has run"
+        for words in (["graph", "--no-code"], ["export", "--out", "job", "--no-code"]):
+            answer = Answer(SPIKELOOP, *words, "it.yaml", cwd=folder)
+            answer.refused("plug-in 'plugin.py' is code", "it.yaml is not used", "leave --no-code out")
+            assert answer.code == 2, answer.text
+        answer = Answer(SPIKELOOP, "export", "--no-code", "it.music", cwd=folder)
+        assert "brain.py' is code" in answer.text, answer.text
+        assert not ran.exists() and not (folder / "job").exists(), "code has run"
         (folder / "it.yaml").write_text(text)
         answer = Answer(SPIKELOOP, "check", "--no-code", "it.yaml", cwd=folder)
         assert answer.code == 0 and "0 errors, 2 warnings" in answer.text, answer.text
