@@ -134,7 +134,10 @@ bool ProcessTree::gone() {
       status_ = news.value;
     } else {
       subreaper_.reset();
-      waitpid(subreaper_pid_, nullptr, 0);
+      int status = 0;
+      if (waitpid(subreaper_pid_, &status, 0) > 0 && WIFSIGNALED(status) && !status_) {
+        subreaper_killed_by_ = WTERMSIG(status);
+      }
       subreaper_ended_ = Clock::now();
       signal(SIGCONT);  // one that is stopped would not end
     }

@@ -78,7 +78,7 @@ class Subreaper {
     sigaddset(&child, SIGCHLD);
     signals_ = signalfd(-1, &child, SFD_CLOEXEC | SFD_NONBLOCK);
     prctl(PR_SET_CHILD_SUBREAPER, 1);
-    prctl(PR_SET_NAME, "spikeloop-keep");
+    prctl(PR_SET_NAME, kSubreaperName);
   }
 
   void run() {

@@ -4,7 +4,10 @@
 #include <signal.h>
 
 #include <chrono>
+#include <fstream>
 
+#include "spikeloop/processes/descendants.hpp"
+#include "spikeloop/processes/process_tree.hpp"
 #include "tests/launch/launcher.hpp"
 #include "tests/support/fault.hpp"
 
@@ -118,6 +121,27 @@ TEST(Run, AProgramThatIsKilledIsNamed) {
   EXPECT_EQ(outcome.exit_code, 128 + SIGKILL);
   EXPECT_EQ(last_line(outcome.err),
             "spikeloop: 'b' (spikeloop-network) was killed by signal 9 (Killed)");
+  EXPECT_EQ(outcome.left_behind, 0);
+}
+
+TEST(Run, ASupervisingProcessThatIsKilledIsNamed) {
+  const TwoPrograms job("stoptime=1000", "stoptime=1000");
+  Child child(job.command());
+  ASSERT_TRUE(child.wait_for("a: first tick", 30s)) << child.output();
+  ASSERT_TRUE(child.wait_for("b: first tick", 30s)) << child.output();
+  pid_t supervisor = 0;
+  for (const pid_t process : descendants(child.pid())) {
+    std::ifstream file("/proc/" + std::to_string(process) + "/comm");
+    std::string name;
+    supervisor = std::getline(file, name) && name == kSubreaperName ? process : supervisor;
+  }
+  ASSERT_GT(supervisor, 1);
+  kill(supervisor, SIGKILL);
+  const Outcome outcome = child.wait();
+  EXPECT_EQ(outcome.exit_code, 128 + SIGKILL);
+  EXPECT_EQ(last_line(outcome.err),
+            "spikeloop: spikeloop-keep, which supervises the programs of the job, was killed by "
+            "signal 9 (Killed)");
   EXPECT_EQ(outcome.left_behind, 0);
 }
 

@@ -108,14 +108,14 @@ void JobRun::end_guard() {
   }
 }
 
-void JobRun::watch_supervision() {
+void JobRun::warn_of_stopped_process() {
   const pid_t stopped = supervision_ ? supervision_->stopped_process() : 0;
   if (stopped != 0 && stopped != reported_stopped_) {
     log::warning(
         "{} (process {}) has been stopped (SIGSTOP); the robot is stopped until it continues: "
         "kill -CONT {}",
         stopped == mpirun_->tree().pid() ? starter()
-                                         : "spikeloop-keep, which ends the job's programs,",
+                                         : fmt::format("{}, which supervises the programs of the job,", kSubreaperName),
         stopped, stopped);
   }
   reported_stopped_ = stopped;

@@ -212,17 +212,19 @@ void JobRun::supervise() {
   while (!mpirun_->gone()) {
     group_.turn(Milliseconds{100});
     allow_for_pause();
+    watch_supervisor();
     watch_failures();
     watch_deaths();
     watch_start();
     watch_progress();
     watch_robot();
     watch_guard();
-    watch_supervision();
+    warn_of_stopped_process();
     watch_end();
     watch_stop();
   }
   group_.turn(Milliseconds{0});
+  watch_supervisor();
   const int status = mpirun_->tree().status().value_or(1);
   const int code = exit_code(status);
   if (options_.alone && code == 0 && !outcome_ && !state_.all_reported()) {
@@ -306,6 +308,17 @@ void JobRun::watch_progress() {
   }
 }
 
+/// The kernel terminates the programs with the process that supervises them (subreaper.hpp); none
+/// of them is the cause.
+void JobRun::watch_supervisor() {
+  mpirun_->tree().gone();  // reads the news
+  if (const auto signal = mpirun_->tree().subreaper_killed_by()) {
+    fail(128 + *signal,
+         killed_text(fmt::format("{}, which supervises the programs of the job,", kSubreaperName),
+                     *signal));
+  }
+}
+
 void JobRun::watch_failures() {
   if (!failed_since_ && (state_.failure() || state_.aborted())) {
     failed_since_ = Clock::now();
@@ -346,6 +359,12 @@ void JobRun::watch_robot() {
   }
   const int status = robot_->tree().status().value_or(1);
   const int code = exit_code(status);
+  if (const auto signal = robot_->tree().subreaper_killed_by()) {
+    fail(128 + *signal,
+         killed_text(fmt::format("{}, which supervises the simulated robot,", kSubreaperName),
+                     *signal));
+    return;
+  }
   if (WIFSIGNALED(status)) {
     fail(code, killed_text("robot: the simulated robot", WTERMSIG(status)));
     return;

@@ -61,6 +61,7 @@ class JobRun {
   /// Before MUSIC's Setup, with advice.
   std::string why_nobody_starts() const;
   void watch_progress();
+  void watch_supervisor();
   void watch_failures();
   void watch_deaths();
   void watch_robot();
@@ -71,7 +72,7 @@ class JobRun {
   void watch_guard();
   void end_guard();
   /// Warns when mpirun or its subreaper is stopped.
-  void watch_supervision();
+  void warn_of_stopped_process();
   /// Ctrl-Z: stops the robot, then all programs, then this process. Returns when it is continued.
   void suspend();
   void signal_programs(int number);
@@ -110,7 +111,7 @@ class JobRun {
   std::unique_ptr<GuardProcess> guard_;
   int guard_restarts_ = 0;
   int stopped_by_guard_ = 0;        ///< robots whose adapters had died
-  pid_t reported_stopped_ = 0;      ///< by watch_supervision()
+  pid_t reported_stopped_ = 0;      ///< by warn_of_stopped_process()
   Clock::time_point turned_{};      ///< begin of the newest turn of supervise()
   std::optional<Failure> outcome_;  ///< none while all is well
   int stop_signals_ = 0;

@@ -13,6 +13,9 @@
 
 namespace spikeloop {
 
+/// Name of a subreaper in the list of processes.
+inline constexpr const char* kSubreaperName = "spikeloop-keep";
+
 struct ProgramStart {
   std::vector<std::string> arguments;              ///< the program, searched in PATH, and its own
   std::map<std::string, std::string> environment;  ///< added to ours
@@ -54,6 +57,8 @@ class ProcessTree {
   /// The program's status as of waitpid, once it has ended; see exit_code(). SIGTERM when the
   /// subreaper was killed: the kernel then sends that to the program, whose own status is unknown.
   std::optional<int> status() const { return status_; }
+  /// Signal that killed the subreaper while the program ran. nullopt: the subreaper was not killed.
+  std::optional<int> subreaper_killed_by() const { return subreaper_killed_by_; }
   /// Readable when gone() may have changed. Call gone() ten times a second all the same: it kills a
   /// program that goes on without its subreaper.
   int fd() const { return subreaper_.get() >= 0 ? subreaper_.get() : program_.get(); }
@@ -70,6 +75,7 @@ class ProcessTree {
   pid_t subreaper_pid_ = -1;
   bool killing_ = false;
   std::optional<int> status_;
+  std::optional<int> subreaper_killed_by_;
   Descriptor subreaper_;
   Descriptor program_;  ///< a pidfd: it is not our child
   std::chrono::steady_clock::time_point subreaper_ended_{};
