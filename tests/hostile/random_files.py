@@ -1,14 +1,15 @@
 #!/usr/bin/python3
-"""Files with random faults, from seeds: bytes changed, cut, doubled. Whatever reads them ends soon,
-with an answer of ours. A file that is still good may run.
+"""Files with random faults, from seeds: bytes changed, cut, doubled, numbers replaced by extreme ones. Whatever reads
+them ends soon, with an answer of ours. A file that is still good may run.
 
-  random_files.py --files 500 --seed 1
+  random_files.py --files 500 --seed 1 [--kinds arena,vehicle]
 """
 
 import argparse
 import concurrent.futures
 import pathlib
 import random
+import re
 import shutil
 import sys
 import tempfile
@@ -17,7 +18,7 @@ import genpy
 import rosbag
 from sensor_msgs.msg import LaserScan
 
-from hostile import EXPERIMENT, LONGEST_S, NETWORK, ROBOT, Answer, arena, programs
+from hostile import EXPERIMENT, LONGEST_S, NETWORK, ROBOT, Answer, programs
 
 SPIKELOOP = programs() / "spikeloop"
 MUSIC = """stoptime=4
@@ -45,6 +46,62 @@ source.out -> encoder.in [3]
 encoder.out -> decoder.in [3]
 decoder.out -> sink.in [2]
 """
+BRAIN = """resolution: 0.1 ms
+populations:
+  input: {model: input, size: 100}
+  noise: {model: poisson, size: 20, parameters: {rate: 100 Hz}}
+  cells: {model: iaf_psc_exp, size: 100, parameters: {t_ref: 2 ms, tau_m: 10 ms, C_m: 250 pF, I_e: 300 pA}}
+connections:
+  - {from: input, to: cells, rule: one_to_one, weight: 500 pA, delay: 1 ms}
+  - {from: noise, to: cells, rule: all_to_all, weight: 20 pA, delay: 0.5 ms}
+  - {from: cells, to: cells, rule: pairs, pairs: [[0, 1], [99, 3]], weight: -30 pA, delay: 2 ms}
+output: [cells]
+"""
+# A robot that is not the vehicle, with what costs memory or time.
+MODEL = """<mujoco model="it">
+  <option timestep="0.001" iterations="50"/>
+  <size njmax="100" nconmax="50" nkey="1" nuser_geom="2"/>
+  <visual><quality shadowsize="1024" offsamples="2" numslices="20"/><map znear="0.01" zfar="30"/></visual>
+  <statistic center="0 0 0.6" extent="1.1"/>
+  <asset>
+    <hfield name="hills" nrow="10" ncol="20" size="2 2 0.5 0.1"/>
+    <texture name="tiles" type="2d" builtin="checker" width="64" height="64" rgb1="1 1 1" rgb2="0 0 0"/>
+    <material name="tiles" texture="tiles" texrepeat="4 4"/>
+  </asset>
+  <custom><numeric name="n" size="5" data="1 2"/></custom>
+  <worldbody>
+    <light pos="0 -1 3" dir="0.2 0.5 -1"/>
+    <geom type="hfield" hfield="hills" pos="0 0 -1" material="tiles"/>
+    <camera name="eye" pos="0 -2 1" fovy="50"/>
+    <body name="cart" pos="0 0 0.4">
+      <joint name="slider" type="slide" axis="1 0 0" range="-1.4 1.4" limited="true" damping="0.5"/>
+      <geom type="box" size="0.12 0.08 0.05" mass="1" user="1 2"/>
+      <site name="imu" size="0.01"/>
+      <composite type="grid" count="3 3 1" spacing="0.05" offset="0 0 0.5"><geom size="0.01"/></composite>
+    </body>
+  </worldbody>
+  <actuator><motor name="push" joint="slider" ctrlrange="-20 20" ctrllimited="true" gear="2"/></actuator>
+  <sensor>
+    <gyro site="imu"/><accelerometer site="imu"/><rangefinder site="imu"/>
+    <user name="u" objtype="site" objname="imu" datatype="real" needstage="pos" dim="3"/>
+  </sensor>
+  <keyframe><key name="home" time="0"/></keyframe>
+</mujoco>
+"""
+MODEL_ROBOT = """experiment: it
+duration: 100 ms
+sync: lockstep
+robot: {simulator: mujoco, model: FILE, rate: 100 Hz}
+nodes:
+  joint: {node: ros_sensor, topic: /joint_states, message: sensor_msgs/JointState, fields: ["position[0]"]}
+  motor: {node: ros_command, topic: /joint_commands, message: sensor_msgs/JointState, fields: {"effort[name=push]": 0}}
+connections:
+  - joint -> motor [1]
+"""
+# What replaces a number of a text.
+EXTREMES = (b"0", b"-1", b"1e9", b"1e20", b"-1e20", b"1e-300", b"1e300", b"1e400", b"nan", b"inf", b"-inf", b"65536",
+            b"999999999", b"2147483647", b"2147483648", b"4294967296", b"9223372036854775807", b"9223372036854775808")
+NUMBER = re.compile(rb"(?<![\w.#])-?\d+\.?\d*(?:e-?\d+)?(?![\w.])")
 MESSAGE = """# of a robot
 std_msgs/Header header
 int32 COUNT=3
@@ -69,6 +126,17 @@ def originals(folder):
             (place / "it.yaml").write_text(text.replace("FILE", file.name))
             return Answer(SPIKELOOP, "check", "it.yaml", cwd=place)
         return name, use
+    worlds = programs().parent / "share/spikeloop/worlds"
+
+    def included(place, _):
+        """The vehicle's file, by the world that is with it in the folder."""
+        shutil.copy(worlds / "phototaxis.xml", place / "world.xml")
+        return check(ROBOT, "world.xml")[1](place, pathlib.Path("world.xml"))
+
+    def drawn(place, file):
+        (place / "it.yaml").write_text(MODEL_ROBOT.replace("FILE", file.name))
+        return Answer(SPIKELOOP, "run", "it.yaml", "--no-record", "--out", "run", "--render", "end.png",
+                      "--render-size", "64x48", cwd=place)
     network = EXPERIMENT.replace("FILE", "eye.h5").replace(
         "  out:", "  net: {node: network, network: FILE}\n  out:").replace(
             "first ->", "first -> net [100] ->")
@@ -86,7 +154,12 @@ def originals(folder):
         "experiment": ((folder / "good.yaml").read_bytes(), *plain),
         "music": (MUSIC.encode(), "it.music", plain[1]),
         "network": (NETWORK.encode(), *check(network, "net.yaml")),
-        "world": (arena().encode(), *check(ROBOT, "world.xml")),
+        "brain": (BRAIN.encode(), *check(network, "net.yaml")),
+        **{world: ((worlds / f"{world}.xml").read_bytes(), *check(ROBOT, "world.xml"))
+           for world in ("arena", "phototaxis", "t_maze", "lane")},
+        "vehicle": ((worlds / "spikeloop_vehicle.xml").read_bytes(), "spikeloop_vehicle.xml", included),
+        "model": (MODEL.encode(), *check(MODEL_ROBOT, "model.xml")),
+        "drawn": (MODEL.encode(), "model.xml", drawn),
         "message": (MESSAGE.encode(), "robot/msg/Arm.msg",
                     lambda place, file: Answer(SPIKELOOP, "describe", file)),
         "recording": ((folder / "run/eye.h5").read_bytes(), *check(EXPERIMENT, "it.h5")),
@@ -101,8 +174,12 @@ def spoiled(data, dice):
     data = bytearray(data)
     for _ in range(dice.choice((1, 1, 2, 5, 20))):
         at = dice.randrange(len(data))
-        kind = dice.randrange(5)
-        if kind == 0:
+        kind = dice.randrange(6)
+        numbers = list(NUMBER.finditer(data)) if kind == 5 else []
+        if numbers:
+            number = dice.choice(numbers)
+            data[number.start():number.end()] = dice.choice(EXTREMES)
+        elif kind == 0:
             data[at] = dice.randrange(256)
         elif kind == 1:
             data[at:at + 8] = dice.choice((b"\xff" * 8, b"\0" * 8, b"\xff\xff\xff\x7f\0\0\0\0"))
@@ -144,12 +221,15 @@ def main():
     parser.add_argument("--files", type=int, default=500)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="number of the first file")
+    parser.add_argument("--kinds", help="only these kinds of files, separated by commas")
     arguments = parser.parse_args()
     failed, refused, longest = [], 0, (0, "")
     with tempfile.TemporaryDirectory() as scratch, concurrent.futures.ThreadPoolExecutor(2) as pool:
         kinds = originals(pathlib.Path(scratch))
         for kind, good in kinds.items():
             assert answer_to(*good)[0] == 0, f"the {kind} is wrong from the beginning"
+        if arguments.kinds:
+            kinds = {kind: kinds[kind] for kind in arguments.kinds.split(",")}
         numbers = range(arguments.first, arguments.first + arguments.files)
         for number, answer in zip(numbers, pool.map(lambda n: one(n, arguments.seed, kinds),
                                                     numbers)):

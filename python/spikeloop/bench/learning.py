@@ -13,6 +13,7 @@ import subprocess
 import numpy as np
 
 from ..experiment import open_run
+from ..whole_file import write_whole
 from .results import ResultsError
 
 # The learning rates that were published.
@@ -41,7 +42,7 @@ class Bench:
         text = self._call("new", "--environment", task)
         try:
             self.out.mkdir(parents=True, exist_ok=True)
-            file.write_text(text, encoding="utf-8")
+            write_whole(file, text)
         except OSError as error:
             raise ResultsError(f"cannot write '{file}': {error.strerror}") from None
         first = FIRST_SEED[task]
