@@ -28,6 +28,7 @@ import numpy as np
 
 NEWEST_FORMAT = 1
 TRAJECTORY_COLUMNS = ("t_s", "x_m", "y_m", "theta_rad", "v_m_s", "w_rad_s", "collisions")
+LARGEST = 1e9  # number of a world
 MEASURED = ("data_stamp", "latency", "pace")  # signals about the loop, not in it; pace is data_stamp in older runs
 
 
@@ -48,6 +49,29 @@ class SpikeloopError(Exception):
 
 class RunFolderError(SpikeloopError):
     """A file is missing or not what it should be; the text says which and what to do."""
+
+
+def _fault_of_world(world):
+    """The first thing in a world that cannot be drawn; empty if there is none."""
+    def has(thing, *names):
+        return isinstance(thing, dict) and all(
+            isinstance(thing.get(name), (int, float)) and abs(thing[name]) <= LARGEST for name in names)
+
+    arena, laser = world.get("arena"), world.get("laser")
+    if arena is not None and not (has(arena, "min_x_m", "min_y_m", "max_x_m", "max_y_m") and
+                                  arena["min_x_m"] < arena["max_x_m"] and arena["min_y_m"] < arena["max_y_m"]):
+        return "arena"
+    if laser is not None and not has(laser, "beams", "angle_min_rad", "angle_increment_rad"):
+        return "laser"
+    for kind in ("obstacles", "lanes", "goals", "lamps"):
+        things = world.get(kind, [])
+        for thing in things if isinstance(things, list) else [None]:
+            shape = thing.get("shape") if isinstance(thing, dict) else None
+            sizes = {"cylinder": ("radius_m",), "box": ("half_x_m", "half_y_m")}.get(str(shape))
+            sizes = () if kind == "lamps" else sizes
+            if sizes is None or not has(thing, "x_m", "y_m", *sizes) or not has({"theta_rad": 0, **thing}, "theta_rad"):
+                return kind
+    return ""
 
 
 def require_regular(file):
@@ -241,7 +265,10 @@ class RunFolder:
 
     def world(self):
         """The robot's world as written by the robot: arena, obstacles, lamps, goals, lanes, in metres."""
-        return self._json("world.json", "arena and obstacles are not drawn")
+        world = self._json("world.json", "arena and obstacles are not drawn")
+        if fault := _fault_of_world(world):
+            raise RunFolderError(f"'{self.path / 'world.json'}' is damaged: {fault}; arena and obstacles are not drawn")
+        return world
 
     def summary(self):
         """Results of the run: distance_m, coverage, collisions, ..."""

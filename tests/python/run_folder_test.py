@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import json
 import os
 import pathlib
 import re
@@ -171,6 +172,23 @@ class ErrorTest(Folder):
                   "or is under way")
         (self.folder / "world.json").write_text("{\n  \"arena\": }")
         self.says(run.world, "'FOLDER/world.json' is not JSON: line 2, column 12: Expecting value")
+
+    def test_a_world_that_cannot_be_drawn(self):
+        arena = {"min_x_m": -3, "min_y_m": -3, "max_x_m": 3, "max_y_m": 3}
+        box = {"shape": "box", "x_m": 1, "y_m": 1, "half_x_m": 0.1, "half_y_m": 0.1}
+        run = RunFolder(self.folder)
+        for fault, world in (
+                *(("arena", {"arena": {**arena, "max_x_m": wrong}})
+                  for wrong in (float("nan"), float("inf"), 1e20, -3, None, "3", [3])),
+                ("arena", {"arena": 3}), ("laser", {"arena": arena, "laser": {"beams": "100"}}),
+                ("obstacles", {"obstacles": 3}), ("obstacles", {"obstacles": [None]}),
+                ("lanes", {"lanes": [{**box, "half_x_m": None}]}), ("goals", {"goals": [{**box, "shape": []}]}),
+                ("goals", {"goals": [{**box, "theta_rad": "0"}]}), ("lamps", {"lamps": [{"x_m": 1}]})):
+            (self.folder / "world.json").write_text(json.dumps(world))
+            self.says(run.world, f"'FOLDER/world.json' is damaged: {fault}; arena and obstacles are not drawn")
+        world = {"arena": arena, "obstacles": [box], "lamps": [{"x_m": 1, "y_m": 1}]}
+        (self.folder / "world.json").write_text(json.dumps(world))
+        self.assertEqual(run.world(), world)
 
 
 if __name__ == "__main__":
