@@ -114,8 +114,9 @@ void JobRun::warn_of_stopped_process() {
     log::warning(
         "{} (process {}) has been stopped (SIGSTOP); the robot is stopped until it continues: "
         "kill -CONT {}",
-        stopped == mpirun_->tree().pid() ? starter()
-                                         : fmt::format("{}, which supervises the programs of the job,", kSubreaperName),
+        stopped == mpirun_->tree().pid()
+            ? starter()
+            : fmt::format("{}, which supervises the programs of the job,", kSubreaperName),
         stopped, stopped);
   }
   reported_stopped_ = stopped;
