@@ -26,7 +26,7 @@ TEST(MpirunCommand, AsksForAsManyProcessesAsTheFile) {
             "mpirun -np 5 --oversubscribe --bind-to none --mca mpi_yield_when_idle 1 --mca "
             "opal_abort_print_stack 1 --mca opal_signal '' --mca orte_tmpdir_base /s --mca "
             "btl_vader_backing_directory /s --mca mpi_event_tick_rate 1000000 --mca pml ob1 "
-            "--tag-output music /run/x.music");
+            "--mca btl vader,self --tag-output music /run/x.music");
 }
 
 TEST(MpirunCommand, OnSeveralHostsPassesOnTheEnvironment) {

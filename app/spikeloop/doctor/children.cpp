@@ -72,6 +72,7 @@ Child start(const Command& command, const ScratchFolder* scratch) {
   program.environment.erase("PYTHONPATH");  // a directory of ours is no simulator of its name
   program.environment["MPLBACKEND"] = "Agg";
   program.environment["PYTHONSAFEPATH"] = "1";  // no module of the working directory's
+  program.environment.merge(launch::mpirun_environment());
   if (scratch != nullptr) {
     program.environment["OMPI_MCA_orte_tmpdir_base"] = scratch->path();
   }

@@ -146,7 +146,11 @@ void JobRun::start_programs() {
                                       .variables = variables_of_job(effective_.file)});
   }
   start.directory = directory_;
-  mpirun_ = &group_.start(with_environment(start), [this](const OutputLine& line) {
+  start = with_environment(start);
+  if (here && !options_.alone) {
+    start.environment.merge(mpirun_environment());
+  }
+  mpirun_ = &group_.start(start, [this](const OutputLine& line) {
     state_.take(line);
     const std::string other = options_.alone ? effective_.file.sections.front().label : "mpirun";
     take_line(line.rank ? label_of_rank(effective_.file, *line.rank) : other, line);

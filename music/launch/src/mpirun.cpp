@@ -127,19 +127,24 @@ std::vector<std::string> variables_of_job(const MusicFile& file) {
 
 namespace {
 
-/// LD_PRELOAD of a job's programs on this machine: music/waiting.cpp, behind what the user has
-/// there. Empty where it is not installed, or cannot be named.
-std::string preloaded() {
-  const fs::path waiting =
-      fs::path(own_directory()).parent_path() / "lib/spikeloop/libspikeloop_waiting.so";
+/// LD_PRELOAD with one of our libraries, behind those of the user. Empty where the library is not
+/// installed, or its path contains a separator.
+std::string preloaded(const char* library) {
+  const fs::path path = fs::path(own_directory()).parent_path() / "lib/spikeloop" / library;
   std::error_code error;
-  // Open MPI refuses -x beside a list of variables.
-  if (!fs::exists(waiting, error) || waiting.string().find_first_of(" :") != std::string::npos ||
-      std::getenv("OMPI_MCA_mca_base_env_list") != nullptr) {
+  if (!fs::exists(path, error) || path.string().find_first_of(" :") != std::string::npos) {
     return "";
   }
   const char* others = std::getenv("LD_PRELOAD");
-  return others == nullptr ? waiting.string() : fmt::format("{}:{}", others, waiting.string());
+  return others == nullptr ? path.string() : fmt::format("{}:{}", others, path.string());
+}
+
+/// LD_PRELOAD of a job's programs on this machine: music/waiting.cpp.
+std::string preloaded_in_programs() {
+  // Open MPI refuses -x beside a list of variables.
+  return std::getenv("OMPI_MCA_mca_base_env_list") != nullptr
+             ? ""
+             : preloaded("libspikeloop_waiting.so");
 }
 
 }  // namespace
@@ -161,9 +166,11 @@ std::vector<std::string> mpirun_command(const MusicFile& file, const std::string
     // MPI looks at its sockets every 10 ms. It has none here, and music/waiting.cpp takes each look
     // for the end of a wait.
     settings.emplace_back("mpi_event_tick_rate", "1000000");  // microseconds
-    // To look for the networks of clusters takes 0.2 s.
+    // To look for the networks of clusters takes 0.2 s, and programs would listen on all addresses
+    // of the machine.
     if (std::getenv("OMPI_MCA_pml") == nullptr && std::getenv("OMPI_MCA_btl") == nullptr) {
       settings.emplace_back("pml", "ob1");
+      settings.emplace_back("btl", "vader,self");
     }
   }
   // Waiting programs ask again and again: without yielding and free placement they starve each
@@ -179,11 +186,17 @@ std::vector<std::string> mpirun_command(const MusicFile& file, const std::string
     for (const std::string& name : hosts.variables) {
       command.insert(command.end(), {"-x", name});
     }
-  } else if (const std::string libraries = preloaded(); !libraries.empty()) {
+  } else if (const std::string libraries = preloaded_in_programs(); !libraries.empty()) {
     command.insert(command.end(), {"-x", "LD_PRELOAD=" + libraries});
   }
   command.insert(command.end(), {"--tag-output", "music", path});
   return command;
+}
+
+std::map<std::string, std::string> mpirun_environment() {
+  const std::string libraries = preloaded("libspikeloop_mpirun.so");
+  return libraries.empty() ? std::map<std::string, std::string>{}
+                           : std::map<std::string, std::string>{{"LD_PRELOAD", libraries}};
 }
 
 std::string multi_prog_text(const MusicFile& file, const std::string& path) {

@@ -32,6 +32,10 @@ std::vector<std::string> variables_of_job(const MusicFile& file);
 std::vector<std::string> mpirun_command(const MusicFile& file, const std::string& path,
                                         const Hosts& hosts);
 
+/// Variables of an mpirun whose job is on this machine: it listens on 127.0.0.1 only
+/// (music/mpirun_sockets.cpp).
+std::map<std::string, std::string> mpirun_environment();
+
 /// What `srun --multi-prog` reads: a line a section, its ranks and its program, which finds its
 /// section by MUSIC's own options. @throws ConfigurationError as MusicFile::processes().
 std::string multi_prog_text(const MusicFile& file, const std::string& path);
