@@ -1,16 +1,19 @@
 #include "spikeloop/processes/scratch_folder.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/file.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
 #include <filesystem>
+#include <string_view>
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
@@ -18,15 +21,29 @@
 namespace spikeloop {
 namespace {
 
+namespace fs = std::filesystem;
+
+/// No other program makes folders with this name: a folder that matches is removed.
+constexpr std::string_view kPrefix = "spikeloop-scratch-";
+constexpr std::string_view kPattern = "XXXXXX";
+
 int open_folder(const std::string& path) {
-  return open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  return open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+}
+
+/// True if the open folder is still the one at `path`: another run may have removed it.
+bool is_at(int folder, const std::string& path) {
+  struct stat open {};
+  struct stat named {};
+  return fstat(folder, &open) == 0 && lstat(path.c_str(), &named) == 0 &&
+         open.st_ino == named.st_ino && open.st_dev == named.st_dev;
 }
 
 /// Programs that end late may still write into it.
 void remove_folder(const std::string& path) {
   for (int tries = 50; tries > 0; --tries) {
     std::error_code error;
-    std::filesystem::remove_all(path, error);
+    fs::remove_all(path, error);
     if (!error) {
       return;
     }
@@ -49,21 +66,61 @@ void remove_folder(const std::string& path) {
   _exit(0);
 }
 
+/// The new folder, open and locked. Empty if another run has removed it: a folder without a lock
+/// looks like an abandoned one. @throws FileError
+Descriptor lock_folder(const std::string& path) {
+  Descriptor folder{open_folder(path)};
+  if (folder.get() < 0 && errno == ENOENT) {
+    return Descriptor{};
+  }
+  if (folder.get() < 0 || flock(folder.get(), LOCK_EX) != 0) {
+    throw FileError("lock the folder", path, errno);
+  }
+  if (!is_at(folder.get(), path)) {
+    folder.reset();
+  }
+  return folder;
+}
+
+/// Removes a folder of this user that no process has locked.
+void remove_if_abandoned(const std::string& path) {
+  const Descriptor folder{open_folder(path)};
+  struct stat status {};
+  if (fstat(folder.get(), &status) == 0 && status.st_uid == geteuid() &&
+      flock(folder.get(), LOCK_EX | LOCK_NB) == 0 && is_at(folder.get(), path)) {
+    remove_folder(path);
+  }
+}
+
+/// Removes what killed runs have left in `parent`.
+void remove_abandoned(const std::string& parent) {
+  std::error_code error;
+  for (fs::directory_iterator entry(parent, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename();
+    if (name.starts_with(kPrefix) && name.size() == kPrefix.size() + kPattern.size()) {
+      remove_if_abandoned(entry->path());
+    }
+  }
+}
+
 }  // namespace
 
 ScratchFolder::ScratchFolder()
     : ScratchFolder(access("/dev/shm", W_OK | X_OK) == 0 ? "/dev/shm" : "/tmp") {}
 
-ScratchFolder::ScratchFolder(const std::string& parent) : path_(parent + "/spikeloop-XXXXXX") {
-  if (mkdtemp(path_.data()) == nullptr) {
-    throw FileError("make the folder", path_, errno);
-  }
-  folder_ = Descriptor{open_folder(path_)};
-  if (folder_.get() >= 0 && flock(folder_.get(), LOCK_EX) == 0) {
-    remover_ = fork();
-    if (remover_ == 0) {
-      remove_when_unlocked(path_);
+ScratchFolder::ScratchFolder(const std::string& parent) {
+  remove_abandoned(parent);
+  while (folder_.get() < 0) {
+    path_ = fmt::format("{}/{}{}", parent, kPrefix, kPattern);
+    if (mkdtemp(path_.data()) == nullptr) {
+      throw FileError("make the folder", path_, errno);
     }
+    folder_ = lock_folder(path_);
+  }
+  remover_ = fork();
+  if (remover_ == 0) {
+    remove_when_unlocked(path_);
   }
 }
 

@@ -1,14 +1,18 @@
 // A folder that goes with its owner, however that ends, and not before those who still need it.
 #include "spikeloop/processes/scratch_folder.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "tests/support/temporary_directory.hpp"
 
@@ -61,6 +65,65 @@ TEST(ScratchFolder, IsRemovedAfterTheLastOfThoseWhoNeedItWhenItsOwnerIsKilled) {
   close(needed[0]);
   close(ready[0]);
   close(ready[1]);
+}
+
+/// A folder as a killed run leaves it.
+fs::path make_leftover(const fs::path& parent, const char* name) {
+  fs::create_directory(parent / name);
+  std::ofstream(parent / name / "vader_segment") << "text";
+  return parent / name;
+}
+
+TEST(ScratchFolder, RemovesFoldersOfKilledRunsThatNoProcessHasLocked) {
+  const test::TemporaryDirectory parent;
+  const fs::path abandoned = make_leftover(parent.path(), "spikeloop-scratch-aaaaaa");
+  const fs::path used = make_leftover(parent.path(), "spikeloop-scratch-bbbbbb");
+  const fs::path longer = make_leftover(parent.path(), "spikeloop-scratch-results");
+  const fs::path target = make_leftover(parent.path(), "target");
+  const fs::path link = parent.path() / "spikeloop-scratch-cccccc";
+  fs::create_directory_symlink(target, link);
+  const fs::path foreign = make_leftover(parent.path(), "spikeloop-scratch-dddddd");
+  const bool is_foreign = chown(foreign.c_str(), 12345, 12345) == 0;  // only root may
+  const Descriptor lock{open(used.c_str(), O_RDONLY | O_CLOEXEC)};
+  ASSERT_EQ(flock(lock.get(), LOCK_EX), 0);
+  {
+    const ScratchFolder folder(parent.path().string());
+    EXPECT_FALSE(fs::exists(abandoned));
+    EXPECT_TRUE(fs::exists(used / "vader_segment"));
+    EXPECT_TRUE(fs::exists(longer / "vader_segment"));
+    EXPECT_TRUE(fs::exists(target / "vader_segment"));
+    EXPECT_TRUE(fs::is_symlink(link));
+    EXPECT_EQ(fs::exists(foreign), is_foreign);
+    const ScratchFolder second(parent.path().string());
+    EXPECT_TRUE(fs::exists(folder.path())) << "the first is in use";
+  }
+}
+
+/// Each process makes folders while the others look for abandoned ones.
+TEST(ScratchFolder, IsNotRemovedByARunThatStartsAtTheSameTime) {
+  const test::TemporaryDirectory parent;
+  std::vector<pid_t> runs;
+  for (int run = 0; run < 8; ++run) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+      bool exists = true;
+      for (int i = 0; i < 40 && exists; ++i) {
+        const ScratchFolder folder(parent.path().string());
+        const fs::path file = fs::path(folder.path()) / "file";
+        std::ofstream(file) << "text";
+        std::this_thread::yield();
+        exists = fs::exists(file);
+      }
+      _exit(exists ? 0 : 1);
+    }
+    runs.push_back(pid);
+  }
+  for (const pid_t pid : runs) {
+    int status = -1;
+    waitpid(pid, &status, 0);
+    EXPECT_EQ(status, 0);
+  }
+  EXPECT_TRUE(fs::is_empty(parent.path()));
 }
 
 }  // namespace
