@@ -15,6 +15,7 @@
 #include "output.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/live/feed.hpp"
+#include "spikeloop/processes/home.hpp"
 #include "spikeloop/topics/arguments.hpp"
 
 namespace {
@@ -139,6 +140,7 @@ int main(int argc, char** argv) {
   // Of a run that we were started in: ours is another one.
   unsetenv("_MUSIC_CONFIG_");
   unsetenv(spikeloop::live::kFolderVariable);
+  spikeloop::provide_home();
   try {
     return run(argc, argv);
   } catch (const spikeloop::Error& error) {

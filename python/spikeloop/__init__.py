@@ -21,6 +21,9 @@ it sees; `spikeloop.testing` runs one without the C++ programs.
 """
 
 from .declare import NodeError, Parameter, SECOND, Signal, Spikes, Weights, node
+from .home import provide_home
+
+provide_home()
 
 __all__ = ["NodeError", "Parameter", "SECOND", "Signal", "Spikes", "SpikeloopError", "Weights", "gymnasium_env",
            "load", "music", "node", "open_run"]

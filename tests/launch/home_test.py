@@ -1,0 +1,52 @@
+#!/usr/bin/python3
+"""A user without an entry in the user database runs a job under mpirun and draws its figures: without HOME, and with a
+HOME in which the user cannot write."""
+
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+SPIKELOOP = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"], "spikeloop")
+USER = 54321
+EXPERIMENT = """experiment: cycle
+duration: 0.1 s
+sync: unpaced
+layout: {one: [squash, encoder], two: [decoder]}
+nodes:
+  squash: {node: sigmoid}
+  encoder: {node: rate_encoder}
+  decoder: {node: linear_readout, weights: uniform}
+connections:
+  - squash -> encoder [1] -> decoder [1] -> squash [1, delay 5 ticks]
+"""
+
+
+def call(folder, home, *words):
+    environment = {name: value for name, value in os.environ.items() if name not in ("HOME", "MPLCONFIGDIR")}
+    done = subprocess.run([SPIKELOOP, *words], env={**environment, "TMPDIR": str(folder), **home}, cwd=folder, user=USER,
+                          group=USER, extra_groups=[], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done
+    assert "Traceback" not in done.stderr and "matplotlib" not in done.stderr.lower(), done.stderr
+
+
+def main():
+    if os.getuid() != 0:
+        print("only root may become another user")
+        return
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        os.chown(folder, USER, USER)
+        (folder / "cycle.yaml").write_text(EXPERIMENT)
+        for number, home in enumerate(({}, {"HOME": "/"})):
+            call(folder, home, "run", "cycle.yaml", "--out", f"run{number}")
+            call(folder, home, "plot", f"run{number}")
+            assert list((folder / f"run{number}").glob("*.png"))
+        # Python that `spikeloop` has not started.
+        subprocess.run([sys.executable, "-c", "import spikeloop, matplotlib"], user=USER, group=USER, extra_groups=[],
+                       cwd=folder, env={"PYTHONPATH": str(pathlib.Path(__file__).parents[2] / "python"),
+                                        "TMPDIR": str(folder)}, check=True, timeout=120)
+
+
+main()
