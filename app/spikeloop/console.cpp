@@ -63,6 +63,7 @@ void Console::write(const std::string& text) {
 }
 
 void Console::line(const launch::ProgramLine& line) {
+  const std::lock_guard lock(mutex_);
   const bool labelled = line.text.starts_with(line.label + ": ");
   const std::string text = labelled ? line.text : fmt::format("{}: {}", line.label, line.text);
   keep(text);
@@ -76,6 +77,7 @@ void Console::line(const launch::ProgramLine& line) {
 }
 
 void Console::progress(const launch::Progress& progress) {
+  const std::lock_guard lock(mutex_);
   if (log_ != nullptr) {
     log_->at(progress.simulated_s);
   }
@@ -96,6 +98,7 @@ void Console::progress(const launch::Progress& progress) {
 }
 
 void Console::log(log::Level level, std::string_view message) {
+  const std::lock_guard lock(mutex_);
   keep(fmt::format("{}{}", level == log::Level::warning ? "warning: " : "", message));
   if (level == log::Level::warning) {
     write(fmt::format("spikeloop: warning: {}", message));
@@ -105,6 +108,7 @@ void Console::log(log::Level level, std::string_view message) {
 }
 
 void Console::end(const launch::JobResult& result, const launch::Progress& progress) {
+  const std::lock_guard lock(mutex_);
   const std::string finished = "finished: " + progress_text(progress, follows_clock_);
   keep(result.exit_code != 0 ? fmt::format("{}; exit code {}", result.reason, result.exit_code)
                              : finished);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -15,7 +16,8 @@ namespace spikeloop::app {
 /// wall time, without overruns where no clock can be overrun.
 std::string progress_text(const launch::Progress& progress, bool follows_clock);
 
-/// On a terminal one line is written over and over again; else one is added every 5 s.
+/// On a terminal one line is written over and over again; else one is added every 5 s. Public
+/// functions are safe to call from any thread.
 class Console {
  public:
   enum class Volume { quiet, normal, verbose };
@@ -36,6 +38,7 @@ class Console {
 
   void keep(const std::string& text);
 
+  std::mutex mutex_;
   Volume volume_;
   RunLog* log_;
   bool follows_clock_;

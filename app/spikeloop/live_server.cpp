@@ -8,20 +8,25 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <chrono>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "output.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/live/feed.hpp"
+#include "spikeloop/processes/descendants.hpp"
 #include "spikeloop/processes/python.hpp"
 
 namespace spikeloop::app {
 namespace {
 
 constexpr TimeNs kLongestStart = 5 * kNsPerSecond;
+constexpr std::chrono::milliseconds kWatchPeriod{100};
 
 std::string make_token() {
   std::array<unsigned char, 16> bytes{};
@@ -99,6 +104,9 @@ LiveServer::LiveServer(const LiveOptions& options, const std::string& run_folder
                                .kept = folder_.descriptor()});
   put(stderr, first_line(*server_));
   ::setenv(live::kFolderVariable, folder_.path().c_str(), 1);
+  if (!recording) {
+    watch_ = std::thread([this] { watch(); });
+  }
 }
 
 void LiveServer::require_alive() {
@@ -109,7 +117,32 @@ void LiveServer::require_alive() {
   }
 }
 
+/// Warns once when the server has ended, and whenever it is stopped.
+void LiveServer::watch() {
+  bool stopped = false;
+  while (!ending_.load()) {
+    if (server_->gone()) {
+      log::warning(
+          "spikeloop-live has ended: there is no live view and no STOP button any more; Ctrl-C "
+          "stops the robot");
+      return;
+    }
+    const bool before = std::exchange(stopped, is_stopped(server_->pid()));
+    if (stopped && !before) {
+      log::warning(
+          "spikeloop-live has been stopped (SIGSTOP): its STOP button does nothing; Ctrl-C stops "
+          "the robot, and  kill -CONT {}  continues the live view",
+          server_->pid());
+    }
+    std::this_thread::sleep_for(kWatchPeriod);
+  }
+}
+
 LiveServer::~LiveServer() {
+  ending_.store(true);
+  if (watch_.joinable()) {
+    watch_.join();
+  }
   server_->end();
 }
 

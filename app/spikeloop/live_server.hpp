@@ -1,12 +1,14 @@
 // spikeloop-live beside a run.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <thread>
 
-#include "spikeloop/processes/scratch_folder.hpp"
 #include "spikeloop/processes/process_tree.hpp"
+#include "spikeloop/processes/scratch_folder.hpp"
 
 namespace CLI {
 class App;
@@ -38,8 +40,12 @@ class LiveServer {
   LiveServer& operator=(const LiveServer&) = delete;
 
  private:
+  void watch();
+
   ScratchFolder folder_;
   std::optional<ProcessTree> server_;
+  std::atomic<bool> ending_{false};
+  std::thread watch_;  ///< during a run; its loop may be busy
 };
 
 }  // namespace spikeloop::app

@@ -118,10 +118,22 @@ ScratchFolder::ScratchFolder(const std::string& parent) {
     }
     folder_ = lock_folder(path_);
   }
+  start_remover();
+}
+
+void ScratchFolder::start_remover() {
   remover_ = fork();
   if (remover_ == 0) {
     remove_when_unlocked(path_);
   }
+}
+
+bool ScratchFolder::restart_remover() {
+  if (remover_ <= 0 || waitpid(remover_, nullptr, WNOHANG) != remover_) {
+    return false;
+  }
+  start_remover();
+  return true;
 }
 
 ScratchFolder::~ScratchFolder() {

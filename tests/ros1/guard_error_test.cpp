@@ -169,14 +169,15 @@ TEST_F(GuardErrorTest, command_line) {
 class NoGuardTest : public GuardedJob {
  protected:
   /// Runs a job to its end; returns what was said.
-  std::string text_with_guard(const std::string& script) {
+  std::string text_with_guard(const std::string& script, const std::string& global = "stoptime=0.5",
+                              const std::string& command_keys = "") {
     const auto launcher = directory_.path() / "spikeloop";
     std::filesystem::copy_file(binary("spikeloop"), launcher);
     if (!script.empty()) {
       std::filesystem::permissions(directory_.write("spikeloop-guard", script),
                                    std::filesystem::perms::owner_all);
     }
-    Command made = launched(scan_to_twist("stoptime=0.5"));
+    Command made = launched(scan_to_twist(global, command_keys));
     made.arguments[0] = launcher.string();
     const auto outcome = run(made);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
@@ -255,6 +256,28 @@ TEST_F(NoGuardTest, ends_at_once) {
               HasSubstr("spikeloop: warning: cannot start 'spikeloop-guard': it ended before it "
                         "listened" +
                         end_));
+}
+
+TEST_F(NoGuardTest, hangs) {
+  const std::string text = text_with_guard(
+      "#!/usr/bin/python3\nimport socket, struct, sys, time\n"
+      "owner = socket.socket(fileno=int(sys.argv[sys.argv.index('--owner') + 1]))\n"
+      "owner.send(struct.pack('=I', 9) + b'listening')\ntime.sleep(1000)\n",
+      "stoptime=3");
+  EXPECT_THAT(text,
+              HasSubstr("spikeloop: warning: spikeloop-guard hangs; it is started again. Until "
+                        "then nothing stops the robot when its command adapter is killed or "
+                        "stopped\n"));
+}
+
+TEST_F(NoGuardTest, is_required) {
+  publish_scans();
+  robot_.listen_twist("/cmd_vel");
+  const std::string text = text_with_guard("", "stoptime=2", "guard_required=true");
+  EXPECT_THAT(text,
+              HasSubstr("the robot is stopped: no guard answers, and guard_required is true"));
+  EXPECT_FALSE(robot_.twists().empty());
+  EXPECT_TRUE(std::ranges::all_of(robot_.twists(), &ros_peer::Twist::is_zero));
 }
 
 TEST_F(NoGuardTest, never_listens) {

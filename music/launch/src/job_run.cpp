@@ -224,6 +224,7 @@ void JobRun::supervise() {
     watch_robot();
     watch_guard();
     warn_of_stopped_process();
+    watch_cleaner();
     watch_end();
     watch_stop();
   }
@@ -320,6 +321,13 @@ void JobRun::watch_supervisor() {
     fail(128 + *signal,
          killed_text(fmt::format("{}, which supervises the programs of the job,", kSubreaperName),
                      *signal));
+  }
+}
+
+void JobRun::watch_cleaner() {
+  if (scratch_.restart_remover()) {
+    log::warning("the process that removes {} at the end was killed; it is started again",
+                 scratch_.path());
   }
 }
 

@@ -71,6 +71,8 @@ class JobRun {
   /// Starts another one in place of a guard that has ended or hangs.
   void watch_guard();
   void end_guard();
+  /// Starts the process again that removes the scratch folder of a launcher that is killed.
+  void watch_cleaner();
   /// Warns when mpirun or its subreaper is stopped.
   void warn_of_stopped_process();
   /// Ctrl-Z: stops the robot, then all programs, then this process. Returns when it is continued.

@@ -24,10 +24,14 @@ class ScratchFolder {
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
   const std::string& path() const { return path_; }
+  /// Starts the removing process again if it was killed. Returns true if it was.
+  bool restart_remover();
   /// For processes that may outlive us and still need the folder.
   int descriptor() const { return folder_.get(); }
 
  private:
+  void start_remover();
+
   std::string path_;
   Descriptor folder_;
   pid_t remover_ = -1;
