@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -79,6 +80,23 @@ void require_regular_file(const std::string& path, std::string_view kind) {
                               kind));
   }
   FilesRead::note(path);
+}
+
+int open_regular_file(const std::string& path, std::string_view kind, Links links) {
+  const int flags = O_RDONLY | O_NONBLOCK | O_CLOEXEC | (links == Links::refuse ? O_NOFOLLOW : 0);
+  const int file = ::open(path.c_str(), flags);
+  const int error = errno;
+  struct stat status {};
+  if (file >= 0 && ::fstat(file, &status) == 0 && S_ISREG(status.st_mode)) {
+    return file;
+  }
+  if (file >= 0) {
+    ::close(file);
+  } else if (error != ELOOP) {
+    throw FileError("open", path, error);
+  }
+  throw FileError(with_code(
+      Code::no_access, "cannot read '{}': not a regular file; write the path of a {}", path, kind));
 }
 
 std::string read_file(const std::string& path, std::string_view kind, std::uint64_t limit) {

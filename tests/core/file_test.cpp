@@ -104,5 +104,33 @@ TEST_F(WriteFile, NamesTheFileThatCannotBeWritten) {
   fails("/dev/full", "No space left on device");
 }
 
+class OpenRegularFile : public WriteFile {
+ protected:
+  [[nodiscard]] bool opens(const char* name, Links links) const {
+    try {
+      ::close(open_regular_file(path(name), "text", links));
+      return true;
+    } catch (const FileError&) {
+      return false;
+    }
+  }
+};
+
+TEST_F(OpenRegularFile, FollowsLinksOnlyIfItMay) {
+  write_file(path("target"), "text");
+  fs::create_symlink(path("target"), path("link"));
+  EXPECT_TRUE(opens("target", Links::refuse));
+  EXPECT_TRUE(opens("link", Links::follow));
+  EXPECT_FALSE(opens("link", Links::refuse));
+}
+
+TEST_F(OpenRegularFile, RefusesWhatIsNotAFileAtOnce) {
+  fs::create_directory(path("folder"));
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  for (const char* name : {"folder", "pipe", "missing"}) {
+    EXPECT_FALSE(opens(name, Links::follow)) << name;
+  }
+}
+
 }  // namespace
 }  // namespace spikeloop

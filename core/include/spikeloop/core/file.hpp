@@ -13,6 +13,14 @@ namespace spikeloop {
 /// ("world").
 void require_regular_file(const std::string& path, std::string_view kind);
 
+enum class Links { follow, refuse };
+
+/// Opens a regular file for reading. A pipe is not waited for.
+/// @param links if the last part of the path is a symbolic link, which can lead out of its folder
+/// @return descriptor, to be closed by the caller
+/// @throws FileError as above
+int open_regular_file(const std::string& path, std::string_view kind, Links links);
+
 /// The whole of a regular file.
 /// @throws FileError as above, and when it cannot be read; ConfigurationError when it has more
 /// bytes than `limit`.
