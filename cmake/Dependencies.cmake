@@ -46,7 +46,6 @@ target_link_libraries(spikeloop_mujoco_api INTERFACE ${MUJOCO_LIBRARY})
 
 # Pictures. EGL and GLFW are opened when a program draws; their headers alone are needed here.
 pkg_check_modules(PNG REQUIRED IMPORTED_TARGET GLOBAL libpng)
-pkg_check_modules(WEBSOCKETS REQUIRED IMPORTED_TARGET GLOBAL libwebsockets)
 pkg_check_modules(MD REQUIRED IMPORTED_TARGET GLOBAL libmd)
 find_path(EGL_INCLUDE_DIR EGL/egl.h REQUIRED)
 find_path(GLFW_INCLUDE_DIR GLFW/glfw3.h REQUIRED)

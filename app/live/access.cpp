@@ -2,17 +2,10 @@
 
 #include <arpa/inet.h>
 
-#include <algorithm>
-#include <cctype>
+#include "http.hpp"
 
 namespace spikeloop::view {
 namespace {
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::ranges::transform(result, result.begin(), [](unsigned char c) { return std::tolower(c); });
-  return result;
-}
 
 /// Without the port, and without the brackets of an IPv6 address.
 std::string name_of(std::string_view host) {
@@ -31,21 +24,42 @@ bool is_address(const std::string& name) {
 }  // namespace
 
 bool is_our_host(std::string_view host, std::string_view machine) {
-  const std::string name = lower(name_of(host));
-  return is_address(name) || name == "localhost" || (!name.empty() && name == lower(machine));
+  const std::string name = lower_case(name_of(host));
+  return is_address(name) || name == "localhost" || (!name.empty() && name == lower_case(machine));
 }
 
-bool is_own_origin(std::string_view origin, std::string_view host) {
-  // A page that is a file on this machine is a program that the user has started, such as Foxglove.
-  return origin.empty() || origin == "file://" || lower(origin) == "http://" + lower(host);
+bool is_allowed_origin(std::string_view origin, std::string_view host, bool has_token) {
+  return origin.empty() || lower_case(origin) == "http://" + lower_case(host) ||
+         (origin == "file://" && has_token);
 }
 
-bool same_token(std::string_view given, std::string_view wanted) {
+bool is_same_token(std::string_view given, std::string_view wanted) {
   unsigned difference = given.size() == wanted.size() ? 0 : 1;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     difference |= static_cast<unsigned>(wanted[i] ^ (i < given.size() ? given[i] : 0));
   }
   return difference == 0;
+}
+
+bool needs_no_token(const std::string& name, const nlohmann::json& value) {
+  return name == kStopParameter && value == true;
+}
+
+std::optional<bool> stop_request(const nlohmann::json& message, bool may_control) {
+  std::optional<bool> request;
+  if (!message.is_object() || message.value("op", nlohmann::json()) != "setParameters") {
+    return request;
+  }
+  for (const nlohmann::json& parameter : message.value("parameters", nlohmann::json())) {
+    if (!parameter.is_object() || parameter.value("name", nlohmann::json()) != kStopParameter) {
+      continue;
+    }
+    const nlohmann::json value = parameter.value("value", nlohmann::json());
+    if (value.is_boolean() && (may_control || needs_no_token(kStopParameter, value))) {
+      request = value.get<bool>();
+    }
+  }
+  return request;
 }
 
 }  // namespace spikeloop::view

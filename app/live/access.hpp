@@ -1,26 +1,30 @@
 // Who may see a run, and who may steer it. Pure functions.
 #pragma once
 
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 
 namespace spikeloop::view {
 
-/// What a request says of itself.
-struct Request {
-  std::string host;    ///< "127.0.0.1:8765"
-  std::string origin;  ///< of the page that makes it; empty: it is made by no page
-  std::string token;   ///< empty: none
-};
+inline constexpr const char* kStopParameter = "run.stop";
 
-/// Whether it names this machine: by an address, as localhost, or by its name. A page of another
-/// site that has its own name point to this machine is told apart by that.
+/// True if the header Host names this machine: by an address, as localhost, or by its name. Pages
+/// of another site whose name was made to point to this machine send that name.
 bool is_our_host(std::string_view host, std::string_view machine);
 
-/// Whether a page of our own makes it, or a program.
-bool is_own_origin(std::string_view origin, std::string_view host);
+/// True if the request comes from this server's page, from a program that is no browser, or, with
+/// the token, from a page that is a file, such as Foxglove's.
+bool is_allowed_origin(std::string_view origin, std::string_view host, bool has_token);
 
 /// Takes as long for every wrong token.
-bool same_token(std::string_view given, std::string_view wanted);
+bool is_same_token(std::string_view given, std::string_view wanted);
+
+/// True if a viewer without the token may set the parameter to this value: it stops the robot.
+bool needs_no_token(const std::string& name, const nlohmann::json& value);
+
+/// The new state of STOP that a viewer's message asks for and may ask for. nullopt if none.
+std::optional<bool> stop_request(const nlohmann::json& message, bool may_control);
 
 }  // namespace spikeloop::view

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
+#include "access.hpp"
 #include "spikeloop/core/error.hpp"
 
 namespace spikeloop::view {
@@ -14,7 +14,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kStop = "run.stop";
 constexpr const char* kPause = "run.pause";
 constexpr const char* kStep = "run.step";
 constexpr const char* kSpeed = "run.speed";
@@ -25,7 +24,8 @@ constexpr std::size_t kMostAtOnce = 4096;
 
 }  // namespace
 
-Hub::Hub(std::string folder, bool recording) : folder_(std::move(folder)), recording_(recording) {
+Hub::Hub(std::string folder, bool recording)
+    : folder_(std::move(folder)), recording_(recording), stop_(folder_) {
   channels_.push_back({"/spikeloop/view", "json", "spikeloop.View", "jsonschema",
                        R"({"type": "object", "properties": {"lost": {"type": "integer"},
                            "dropped": {"type": "integer"}}})"});
@@ -37,7 +37,6 @@ std::size_t Hub::look() {
     const std::string path = entry.path().string();
     if (entry.path().extension() == kExtension && known_.insert(path).second) {
       processes_.push_back({live::FeedReader(path), {}});
-      processes_.back().feed.press_stop(stop_);
     }
   }
   for (Process& process : processes_) {
@@ -101,7 +100,7 @@ json Hub::parameters() const {
     result.push_back({{"name", name}, {"value", value}});
   };
   if (!recording_ && (processes_.empty() || has(&live::About::commands))) {
-    add(kStop, stop_);  // also before the run has begun
+    add(kStopParameter, stop_.is_pressed());  // also before the run has begun
   }
   if (has(&live::About::pausable)) {
     const live::FeedReader& feed = processes_.front().feed;  // the only one
@@ -133,20 +132,6 @@ std::string Hub::change(const std::string& name, double value) {
   return {};
 }
 
-/// A process that begins meanwhile finds the file; one that begins later is found by look().
-void Hub::press_stop(bool pressed) {
-  stop_ = pressed;
-  const auto file = std::filesystem::path(folder_) / live::kStopFile;
-  if (std::error_code ignored; pressed) {
-    std::ofstream{file};
-  } else {
-    std::filesystem::remove(file, ignored);
-  }
-  for (Process& process : processes_) {
-    process.feed.press_stop(pressed);
-  }
-}
-
 std::string Hub::set(const std::string& name, const json& value) {
   const json all = parameters();
   const auto known =
@@ -154,7 +139,7 @@ std::string Hub::set(const std::string& name, const json& value) {
   if (!known) {
     return fmt::format("this run has no parameter '{}'", name);
   }
-  const bool flag = name == kStop || name == kPause;
+  const bool flag = name == kStopParameter || name == kPause;
   if (flag ? !value.is_boolean() : !value.is_number()) {
     return fmt::format("parameter '{}' is {}, not {}", name, flag ? "true or false" : "a number",
                        value.dump());
@@ -162,10 +147,7 @@ std::string Hub::set(const std::string& name, const json& value) {
   if (name == kSpeed && !(value.get<double>() >= 0 && std::isfinite(value.get<double>()))) {
     return fmt::format("parameter '{}' is 0 or more, not {}", name, value.dump());
   }
-  if (name == kStop) {
-    press_stop(value.get<bool>());
-  }
-  if (name != kStop && name != kPause && name != kStep && name != kSpeed) {
+  if (name != kStopParameter && name != kPause && name != kStep && name != kSpeed) {
     return change(name, value.get<double>());
   }
   for (Process& process : processes_) {

@@ -44,11 +44,8 @@ class Hub {
 
   /// As the Foxglove protocol has them: [{"name": "run.stop", "value": false}, ...].
   nlohmann::json parameters() const;
-  /// Whether everybody may set it to that: what stops a robot.
-  static bool needs_no_token(const std::string& name, const nlohmann::json& value) {
-    return name == "run.stop" && value == true;
-  }
-  /// @return what is wrong; empty: it is set
+  /// Sets a parameter; STOP is set by the thread that receives the message, and only checked here.
+  /// @return the error. Empty if the value is valid
   std::string set(const std::string& name, const nlohmann::json& value);
 
  private:
@@ -58,12 +55,11 @@ class Hub {
   };
 
   std::string change(const std::string& name, double value);
-  void press_stop(bool pressed);
   bool has(bool live::About::*property) const;
 
   std::string folder_;
   bool recording_;
-  bool stop_ = false;  ///< for all processes, also those that begin later
+  live::StopFlag stop_;
   std::set<std::string> known_;
   std::vector<Process> processes_;
   std::vector<live::Channel> channels_;

@@ -1,23 +1,20 @@
 // spikeloop-live: shows a run in the browser while it goes on. `spikeloop run --live` starts it.
 #include <fmt/format.h>
 #include <signal.h>
-#include <unistd.h>
+#include <sys/random.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cstdio>
-#include <cstdlib>
+#include <string>
 
 #include "server.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/live/feed.hpp"
 #include "spikeloop/processes/python.hpp"
 
 namespace {
 
 using namespace spikeloop;
-
-/// The run has the processor first.
-constexpr int kNice = 10;
 
 view::Server* running = nullptr;
 
@@ -26,8 +23,19 @@ void take_signal(int /*number*/) {
 }
 
 std::string url(const view::ServerOptions& options, std::uint16_t port) {
-  return fmt::format("http://{}:{}/{}", options.host, port,
-                     options.token.empty() ? "" : "?token=" + options.token);
+  return fmt::format("http://{}:{}/?token={}", options.host, port, options.token);
+}
+
+std::string make_token() {
+  std::array<unsigned char, 16> bytes{};
+  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+    throw TransportError("there are no random numbers for the token of the live view");
+  }
+  std::string token;
+  for (const unsigned char byte : bytes) {
+    token += fmt::format("{:02x}", byte);
+  }
+  return token;
 }
 
 }  // namespace
@@ -47,16 +55,13 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", SPIKELOOP_VERSION);
   app.footer("spikeloop run --live starts it.");
   CLI11_PARSE(app, argc, argv);
-  // Command lines can be read by everybody.
-  if (const char* token = std::getenv(live::kTokenVariable); token != nullptr) {
-    options.token = token;
-  }
-  [[maybe_unused]] const int ignored = nice(kNice);
   try {
+    options.token = make_token();
     view::Server server(options);
     running = &server;
     signal(SIGTERM, take_signal);
     signal(SIGINT, take_signal);
+    signal(SIGPIPE, SIG_IGN);
     fmt::print("live: {}\n", url(options, server.port()));
     std::fflush(stdout);
     server.run();

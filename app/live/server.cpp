@@ -1,70 +1,63 @@
 #include "server.hpp"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <libwebsockets.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
+#include <poll.h>
+#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cstring>
-#include <ctime>
-#include <map>
-#include <optional>
+#include <new>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "access.hpp"
-#include "files.hpp"
-#include "hub.hpp"
+#include "backend.hpp"
+#include "connection.hpp"
+#include "http.hpp"
+#include "log.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
-#include "spikeloop/processes/descriptor.hpp"
-#include "viewer.hpp"
+#include "spikeloop/live/stop_flag.hpp"
+#include "websocket.hpp"
 
 namespace spikeloop::view {
 namespace {
 
-constexpr lws_usec_t kReadPeriod_us = 10'000;
-constexpr TimeNs kLookPeriod = kNsPerSecond / 20;
-constexpr TimeNs kOwnPeriod = kNsPerSecond;
-/// For what still waits when the run is over.
+using State = Connection::State;
+
+constexpr int kPeriod_ms = 10;
+constexpr TimeNs kPeriod = kPeriod_ms * 1'000'000;
+constexpr int kFramesPerPeriod = 16;  // of one viewer
+constexpr int kAcceptsPerTurn = 8;
+constexpr std::size_t kLargestHead = std::size_t{8} << 10;      // bytes
+constexpr std::size_t kLargestMessage = std::size_t{16} << 10;  // bytes, of a viewer
+constexpr std::size_t kMostOwnBytes = std::size_t{64} << 10;    // pongs of one viewer
+constexpr unsigned kMostWaitingRequests = 500;                  // of one viewer
+
+// Connections that are no viewers make room for new ones. Viewers stay.
+constexpr std::size_t kMostRequests = 64;
+constexpr std::size_t kMostRequestsPerAddress = 32;
+constexpr std::size_t kMostViewers = 64;  // without the token
+constexpr std::size_t kMostViewersPerAddress = 32;
+constexpr std::size_t kMostControllers = 16;  // viewers with the token
+
+constexpr TimeNs kRequestPatience = 2 * kNsPerSecond;  // for the first request
+constexpr TimeNs kIdlePatience = 5 * kNsPerSecond;     // between requests
+constexpr TimeNs kLagPatience = 5 * kNsPerSecond;
+constexpr TimeNs kClosePatience = kNsPerSecond;
+constexpr TimeNs kPingAfter = 10 * kNsPerSecond;
+constexpr TimeNs kSilencePatience = 20 * kNsPerSecond;
+constexpr TimeNs kLogPeriod = kNsPerSecond;
+/// For frames that wait when the run is over.
 constexpr TimeNs kLastWords = kNsPerSecond / 2;
-constexpr std::size_t kMostConnections = 64;
-constexpr std::size_t kLargestRequest = std::size_t{64} << 10;  // bytes of a viewer's message
-constexpr std::size_t kMostOfFile = std::size_t{64} << 10;      // bytes of one write
-constexpr int kMostFrames = 64;                                 // of one turn
-constexpr unsigned kRequest_s = 5;                              // for a whole request to come
-constexpr int kPorts = 10;                                      // that are tried
 
-constexpr const char* kHttp = "http";
-constexpr const char* kSdk = "foxglove.sdk.v1";
-constexpr const char* kWebsocket = "foxglove.websocket.v1";
+constexpr int kDeepest = 8;  // level of a message's values; deeper ones are left out
 
-// A viewer that is gone without a word is found out.
-const lws_retry_bo_t kPings{nullptr, 0, 0, 10, 20, 0};
-
-struct Connection {
-  std::optional<Viewer> viewer;
-  std::string incoming;  // of a message that comes in pieces
-  Answer answer;
-};
-
-std::string header(lws* wsi, lws_token_indexes token) {
-  std::array<char, 512> text{};
-  const int size = lws_hdr_copy(wsi, text.data(), static_cast<int>(text.size()), token);
-  // One that is too long is not that of a page of ours.
-  return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : size < 0 ? "?" : "";
-}
-
-std::string token_of(lws* wsi) {
-  std::array<char, 128> text{};
-  const char* const found =
-      lws_get_urlarg_by_name(wsi, "token=", text.data(), static_cast<int>(text.size()));
-  return found == nullptr ? "" : found;
-}
+constexpr std::string_view kHeadEnd = "\r\n\r\n";
+constexpr std::array<const char*, 2> kProtocols{"foxglove.sdk.v1", "foxglove.websocket.v1"};
 
 std::string machine_name() {
   std::array<char, 256> name{};
@@ -72,380 +65,401 @@ std::string machine_name() {
   return name.data();
 }
 
+/// Reason to refuse the handshake of RFC 6455 (4.2.1). Empty if it is valid.
+std::string wrong_handshake(const HttpRequest& request) {
+  if (request.method != "GET" || !request.lists("upgrade", "websocket") ||
+      request.header("sec-websocket-key").empty()) {
+    return "the request to upgrade is not one for a WebSocket";
+  }
+  if (request.header("sec-websocket-version") != "13") {
+    return fmt::format("WebSocket version '{}' is not supported; use version 13",
+                       request.header("sec-websocket-version"));
+  }
+  return {};
+}
+
+std::string protocol_of(const HttpRequest& request) {
+  const auto* const found = std::ranges::find_if(kProtocols, [&](const char* protocol) {
+    return request.lists("sec-websocket-protocol", protocol);
+  });
+  return found == kProtocols.end() ? "" : *found;
+}
+
 }  // namespace
 
 struct Server::Impl {
   explicit Impl(const ServerOptions& server_options);
-  ~Impl() { lws_context_destroy(context); }
 
-  void listen();
-  int take(lws* wsi, lws_callback_reasons reason, const char* in, std::size_t size);
-  bool refuses(lws* wsi) const;
-  int give_file(lws* wsi, std::string_view path);
-  int go_on_with_file(lws* wsi);
-  int receive(lws* wsi, std::string_view piece);
-  int write(lws* wsi);
-  void greet(lws* wsi);
-  void begin_anew();
-  void introduce(Viewer& viewer) const;
-  void look();
-  void read();
-  void tell_losses();
-  void ask_to_write();
-  static void tick(lws_sorted_usec_list_t* list);
+  void wake() const;
+  void make_turn();
+  void poll_connections();
+  void serve(Connection& connection, short events);
+  void handle_input(Connection& connection);
+  void handle_head(Connection& connection, std::string_view head);
+  void upgrade(Connection& connection, const HttpRequest& request, bool has_token);
+  bool has_room_for(std::uint32_t address, bool has_token) const;
+  void handle_frames(Connection& connection);
+  void handle_frame(Connection& connection, const IncomingFrame& frame);
+  void take(Connection& connection, std::string_view text);
+  void refuse(Connection& connection, unsigned status, const std::string& reason);
+  void disconnect(Connection& connection, CloseCode code, const std::string& reason);
+  void accept_some();
+  void make_room(std::uint32_t address);
+  bool close_oldest(std::uint32_t address, bool any_address);
+  void begin_period();
+  bool has_expired(Connection& connection);
+  void report(const Connection& connection, const std::string& event);
 
   ServerOptions options;
   const std::string machine = machine_name();
-  Hub hub;
-  lws_context* context = nullptr;
-  lws_vhost* vhost = nullptr;
-  std::map<lws*, Connection> connections;
-  std::vector<SharedFrame> newest;  // of the channels
-  std::size_t advertised = 0;
-  std::uint32_t beginnings = 0;
-  nlohmann::json parameters;  // as the viewers know them
-  const std::string session = fmt::format("{}", std::time(nullptr));
-  TimeNs next_look = 0;
-  TimeNs next_own = 0;
+  Listener listener;
+  live::StopFlag stop_flag;
+  Descriptor wakened;
+  std::vector<std::unique_ptr<Connection>> connections;
+  std::vector<ClientRequest> requests;  // for the backend
+  std::vector<pollfd> polled;
+  TimeNs now = wall_now();
+  TimeNs next_period = 0;
+  TimeNs next_accept = 0;
+  TimeNs next_log = 0;
+  std::size_t unreported = 0;
   std::atomic<bool> stop{false};
-  struct Timer {
-    lws_sorted_usec_list_t list;
-    Impl* impl;
-  } timer{};
+  Backend backend;  // its thread ends first
 };
 
-namespace {
-
-int callback(lws* wsi, lws_callback_reasons reason, void* /*user*/, void* in, std::size_t size) {
-  lws_context* const context = lws_get_context(wsi);
-  auto* const impl = static_cast<Server::Impl*>(lws_context_user(context));
-  return impl == nullptr ? 0 : impl->take(wsi, reason, static_cast<const char*>(in), size);
-}
-
-const std::array<lws_protocols, 4> kProtocols{
-    lws_protocols{kHttp, callback, 0, 0, 0, nullptr, 0},
-    lws_protocols{kSdk, callback, 0, kLargestRequest, 0, nullptr, 0},
-    lws_protocols{kWebsocket, callback, 0, kLargestRequest, 0, nullptr, 0}, lws_protocols{}};
-
-/// The library would wait for an address that this machine does not have.
-void require_own_address(const std::string& host) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  const Descriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  if (::inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1 ||
-      ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
-    throw TransportError(fmt::format(
-        "the live view cannot listen at '{}', which is no IPv4 address of this machine; give one "
-        "with --live-host, or 0.0.0.0 for all",
-        host));
-  }
-}
-
-}  // namespace
-
 Server::Impl::Impl(const ServerOptions& server_options)
-    : options(server_options), hub(options.feeds, options.recording) {
-  require_own_address(options.host);
-  lws_set_log_level(0, nullptr);
-  lws_context_creation_info info{};
-  info.port = CONTEXT_PORT_NO_LISTEN;
-  info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_DISABLE_IPV6;
-  info.user = this;
-  info.timeout_secs = kRequest_s;
-  info.timeout_secs_ah_idle = kRequest_s;
-  context = lws_create_context(&info);
-  if (context == nullptr) {
-    throw TransportError("cannot start the server of the live view");
-  }
-  listen();
-  timer.impl = this;
-  lws_sul_schedule(context, 0, &timer.list, &Impl::tick, kReadPeriod_us);
+    : options(server_options),
+      listener(options.host, options.port),
+      stop_flag(options.feeds),
+      wakened(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      backend(options, [this] { wake(); }) {}
+
+void Server::Impl::wake() const {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t ignored = ::write(wakened.get(), &one, sizeof(one));
 }
 
-/// At the port, or one of the next ones when it is in use.
-void Server::Impl::listen() {
-  lws_context_creation_info info{};
-  info.protocols = kProtocols.data();
-  info.vhost_name = "view";
-  info.iface = options.host.c_str();
-  info.retry_and_idle_policy = &kPings;
-  info.keepalive_timeout = kRequest_s;
-  info.options = LWS_SERVER_OPTION_DISABLE_IPV6;
-  for (int i = 0; vhost == nullptr && i < (options.port == 0 ? 1 : kPorts); ++i) {
-    info.port = options.port + i;
-    vhost = lws_create_vhost(context, &info);
-  }
-  if (vhost == nullptr) {
-    lws_context_destroy(context);
-    throw TransportError(fmt::format(
-        "the live view cannot listen at {}:{} (nor at the {} ports behind it); give another port "
-        "with --live-port, or 0 for any",
-        options.host, options.port, kPorts - 1));
-  }
-}
-
-/// Of another site, or by a name of another site.
-bool Server::Impl::refuses(lws* wsi) const {
-  const std::string host = header(wsi, WSI_TOKEN_HOST);
-  return !is_our_host(host, machine) || !is_own_origin(header(wsi, WSI_TOKEN_ORIGIN), host);
-}
-
-int Server::Impl::take(lws* wsi, lws_callback_reasons reason, const char* in, std::size_t size) {
-  switch (reason) {
-    case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
-      return connections.size() < kMostConnections ? 0 : -1;
-    case LWS_CALLBACK_WSI_CREATE:
-      connections.try_emplace(wsi);
-      return 0;
-    case LWS_CALLBACK_WSI_DESTROY:
-      connections.erase(wsi);
-      return 0;
-    case LWS_CALLBACK_HTTP:
-      return give_file(wsi, {in, size});
-    case LWS_CALLBACK_HTTP_WRITEABLE:
-      return go_on_with_file(wsi);
-    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION: {
-      const bool knows_us = lws_get_protocol(wsi)->name != kHttp;
-      return knows_us && !refuses(wsi) ? 0 : -1;
+void Server::Impl::make_turn() {
+  poll_connections();
+  now = wall_now();
+  try {
+    for (std::size_t i = 0; i < connections.size(); ++i) {
+      serve(*connections[i], polled[i + 2].revents);
     }
-    case LWS_CALLBACK_ESTABLISHED:
-      greet(wsi);
-      return 0;
-    case LWS_CALLBACK_RECEIVE:
-      return receive(wsi, {in, size});
-    case LWS_CALLBACK_SERVER_WRITEABLE:
-      return write(wsi);
-    default:
-      return 0;
-  }
-}
-
-int Server::Impl::give_file(lws* wsi, std::string_view path) {
-  const bool without_body = lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) != 0;
-  Answer& answer = connections[wsi].answer;
-  if (refuses(wsi)) {
-    answer = error_answer(403);
-  } else if (!without_body && lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) == 0) {
-    answer = error_answer(405);
-  } else {
-    answer = view::answer(path, header(wsi, WSI_TOKEN_HTTP_RANGE), options.page, options.run);
-  }
-  static constexpr std::pair<const char*, const char*> kHeaders[] = {
-      {"content-security-policy:",
-       "default-src 'self'; connect-src 'self' ws:; img-src 'self' blob: data:; "
-       "frame-ancestors 'none'"},
-      {"x-content-type-options:", "nosniff"},
-      {"referrer-policy:", "no-referrer"},
-      {"cache-control:", "no-store"}};
-  std::array<unsigned char, LWS_PRE + 2048> head{};
-  unsigned char* const begin = head.data() + LWS_PRE;
-  unsigned char* at = begin;
-  unsigned char* const end = head.data() + head.size() - 1;
-  int error =
-      lws_add_http_common_headers(wsi, answer.status, answer.type.c_str(), answer.size, &at, end);
-  const auto add = [&](const char* name, const char* value) {
-    error |= lws_add_http_header_by_name(wsi, reinterpret_cast<const unsigned char*>(name),
-                                         reinterpret_cast<const unsigned char*>(value),
-                                         static_cast<int>(std::strlen(value)), &at, end);
-  };
-  for (const auto& [name, value] : kHeaders) {
-    add(name, value);
-  }
-  if (!answer.range.empty()) {
-    add("content-range:", answer.range.c_str());
-  }
-  if (error != 0 || lws_finalize_write_http_header(wsi, begin, &at, end) != 0) {
-    return -1;
-  }
-  if (without_body) {
-    answer = {};
-    return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;
-  }
-  lws_callback_on_writable(wsi);
-  return 0;
-}
-
-int Server::Impl::go_on_with_file(lws* wsi) {
-  Answer& answer = connections[wsi].answer;
-  if (!answer.body) {
-    return -1;
-  }
-  const auto size = static_cast<std::size_t>(std::min<std::uintmax_t>(answer.size, kMostOfFile));
-  const bool last = size == answer.size;
-  std::vector<unsigned char> piece(LWS_PRE + size);
-  // A file that has become shorter than announced ends the connection.
-  if (!answer.body->read(reinterpret_cast<char*>(piece.data() + LWS_PRE),
-                         static_cast<std::streamsize>(size)) ||
-      lws_write(wsi, piece.data() + LWS_PRE, size, last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) <
-          0) {
-    return -1;
-  }
-  answer.size -= size;
-  lws_set_timeout(wsi, PENDING_TIMEOUT_HTTP_CONTENT, kRequest_s);
-  if (last) {
-    answer = {};
-    return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;
-  }
-  lws_callback_on_writable(wsi);
-  return 0;
-}
-
-void Server::Impl::greet(lws* wsi) {
-  const std::string token = token_of(wsi);
-  Viewer& viewer = connections[wsi].viewer.emplace(
-      hub, options.token.empty() || same_token(token, options.token));
-  introduce(viewer);
-  viewer.advertise(0, advertised);
-  lws_callback_on_writable(wsi);
-}
-
-int Server::Impl::receive(lws* wsi, std::string_view piece) {
-  Connection& connection = connections[wsi];
-  if (!connection.viewer || connection.incoming.size() + piece.size() > kLargestRequest) {
-    return -1;
-  }
-  connection.incoming += piece;
-  if (lws_is_final_fragment(wsi) != 0 && lws_remaining_packet_payload(wsi) == 0) {
-    if (lws_frame_is_binary(wsi) == 0) {
-      connection.viewer->take(connection.incoming, newest);
-      if (connection.viewer->hangs()) {
-        // Its socket may never be written again, and closing takes seconds.
-        connection.viewer.reset();
-        return -1;
-      }
-      lws_callback_on_writable(wsi);
+    if ((polled[1].revents & POLLIN) != 0) {
+      accept_some();
     }
-    connection.incoming.clear();
+    if (now >= next_period) {
+      next_period = now + kPeriod;
+      begin_period();
+    }
+    backend.post(requests);
+  } catch (const std::bad_alloc&) {
+    close_oldest(0, true);
   }
-  return 0;
+  std::erase_if(connections, [](const auto& connection) { return connection->is_dropped(); });
 }
 
-int Server::Impl::write(lws* wsi) {
-  if (!connections[wsi].viewer || connections[wsi].viewer->hangs()) {
-    return -1;
+void Server::Impl::poll_connections() {
+  polled.assign({{wakened.get(), POLLIN, 0}, {now >= next_accept ? listener.fd() : -1, POLLIN, 0}});
+  for (const auto& connection : connections) {
+    const int events = (connection->wants_to_receive() ? POLLIN : 0) |
+                       (connection->wants_to_write() ? POLLOUT : 0);
+    polled.push_back({connection->fd(), static_cast<short>(events), 0});
   }
-  Viewer& viewer = *connections[wsi].viewer;
-  for (int i = 0; i < kMostFrames && viewer.waits() && lws_send_pipe_choked(wsi) == 0; ++i) {
-    const SharedFrame frame = viewer.pop();
-    if (lws_write(wsi, frame->payload(), frame->size(),
-                  frame->binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT) < 0) {
-      return -1;
+  ::poll(polled.data(), polled.size(), kPeriod_ms);
+  std::uint64_t count = 0;
+  [[maybe_unused]] const ssize_t ignored = ::read(wakened.get(), &count, sizeof(count));
+}
+
+void Server::Impl::serve(Connection& connection, short events) {
+  if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
+    if (!connection.receive(now)) {
+      connection.drop();
+      connection.budget = kFramesPerPeriod;  // STOP may be the last message of a viewer
+      handle_input(connection);
+      return;
+    }
+    handle_input(connection);
+  }
+  if (connection.wants_to_write() && !connection.write(now)) {
+    connection.drop();
+  }
+}
+
+void Server::Impl::handle_input(Connection& connection) {
+  if (connection.is_viewer()) {
+    handle_frames(connection);
+  } else if (connection.state() == State::request) {
+    const std::size_t end = connection.input.find(kHeadEnd);
+    if (end == std::string::npos && connection.input.size() > kLargestHead) {
+      refuse(connection, 400, fmt::format("the request has more than {} bytes", kLargestHead));
+    } else if (end != std::string::npos) {
+      const std::string head = connection.input.substr(0, end);
+      connection.input.erase(0, end + kHeadEnd.size());
+      handle_head(connection, head);
     }
   }
-  if (viewer.waits()) {
-    lws_callback_on_writable(wsi);
-  }
-  return 0;
 }
 
-/// Processes, channels and parameters come while a run begins; viewers may set parameters.
-void Server::Impl::look() {
-  const std::size_t channels = hub.look();
-  newest.resize(channels);
-  const nlohmann::json now = hub.parameters();
-  for (auto& [wsi, connection] : connections) {
-    if (!connection.viewer) {
-      continue;
-    }
-    if (channels > advertised) {
-      connection.viewer->advertise(advertised, channels);
-    }
-    if (now != parameters && connection.viewer->wants_parameters()) {
-      connection.viewer->send_parameters();
-    }
-    connection.viewer->send(time_frame(hub.time()));
-  }
-  parameters = now;
-  advertised = channels;
-}
-
-/// Another time of a recording: what comes now has nothing to do with what came before.
-void Server::Impl::begin_anew() {
-  const std::uint32_t now = hub.beginnings();
-  if (now == beginnings) {
+void Server::Impl::handle_head(Connection& connection, std::string_view head) {
+  const auto request = parse_head(head);
+  if (!request) {
+    refuse(connection, 400, "the request is not one of HTTP/1.1 without a body");
     return;
   }
-  beginnings = now;
-  std::ranges::fill(newest, nullptr);
-  for (auto& [wsi, connection] : connections) {
-    if (connection.viewer) {
-      introduce(*connection.viewer);
-    }
+  const bool has_token = is_same_token(request->argument("token"), options.token);
+  const std::string host(request->header("host"));
+  const std::string origin(request->header("origin"));
+  if (!is_our_host(host, machine)) {
+    refuse(connection, 403,
+           fmt::format("host '{}' is not a name of this machine; open the printed address", host));
+  } else if (!is_allowed_origin(origin, host, has_token)) {
+    refuse(connection, 403,
+           fmt::format("origin '{}' is another site, or a file without the token; open the printed "
+                       "address",
+                       origin));
+  } else if (request->headers.contains("upgrade")) {
+    upgrade(connection, *request, has_token);
+  } else if (request->method != "GET" && request->method != "HEAD") {
+    refuse(connection, 405, fmt::format("method '{}' is not allowed; use GET", request->method));
+  } else {
+    connection.begin_response(std::make_shared<Client>(has_token), now);
+    ++connection.client().waiting_requests;
+    requests.push_back({connection.shared_client(),
+                        FileRequest{request->path, std::string(request->header("range")),
+                                    request->method == "HEAD"}});
   }
 }
 
-void Server::Impl::introduce(Viewer& viewer) const {
-  viewer.greet(fmt::format("spikeloop: {}", options.name),
-               {{"experiment", options.name}, {"recording", options.recording ? "yes" : "no"}},
-               fmt::format("{}-{}", session, beginnings));
+void Server::Impl::upgrade(Connection& connection, const HttpRequest& request, bool has_token) {
+  const std::string protocol = protocol_of(request);
+  if (const std::string wrong = wrong_handshake(request); !wrong.empty()) {
+    refuse(connection, 400, wrong);
+  } else if (protocol.empty()) {
+    refuse(connection, 400,
+           fmt::format("WebSocket protocol '{}' is not supported; use {}",
+                       request.header("sec-websocket-protocol"), kProtocols.back()));
+  } else if (!has_room_for(connection.address(), has_token)) {
+    refuse(connection, 503, "too many viewers are connected; close one");
+  } else {
+    connection.send(response_head(
+        101, fmt::format("upgrade: websocket\r\nconnection: upgrade\r\nsec-websocket-accept: {}\r\n"
+                         "sec-websocket-protocol: {}\r\n",
+                         accept_key(request.header("sec-websocket-key")), protocol)));
+    connection.begin_viewer(std::make_shared<Client>(has_token), now);
+    connection.budget = kFramesPerPeriod;
+    ++connection.client().waiting_requests;
+    requests.push_back({connection.shared_client(), Arrival{}});
+    handle_frames(connection);
+  }
 }
 
-void Server::Impl::read() {
-  hub.read([this](std::uint32_t channel, TimeNs time, std::span<const std::byte> message) {
-    const SharedFrame frame = data_frame(time, message);
-    for (auto& [wsi, connection] : connections) {
-      if (connection.viewer) {
-        connection.viewer->send(channel, frame);
+bool Server::Impl::has_room_for(std::uint32_t address, bool has_token) const {
+  std::size_t viewers = 0;
+  std::size_t of_address = 0;
+  for (const auto& each : connections) {
+    if (each->is_viewer() && each->client().may_control == has_token) {
+      ++viewers;
+      of_address += each->address() == address ? 1 : 0;
+    }
+  }
+  return has_token ? viewers < kMostControllers
+                   : viewers < kMostViewers && of_address < kMostViewersPerAddress;
+}
+
+void Server::Impl::handle_frames(Connection& connection) {
+  std::size_t handled = 0;
+  for (; connection.is_viewer() && connection.budget > 0; --connection.budget) {
+    const ParsedFrame parsed =
+        parse_frame(std::span(connection.input).subspan(handled), kLargestMessage);
+    if (parsed.error) {
+      disconnect(connection, *parsed.error,
+                 *parsed.error == CloseCode::too_big
+                     ? fmt::format("a message has more than {} bytes", kLargestMessage)
+                     : "a frame is not one of a WebSocket client");
+    }
+    if (!parsed.frame) {
+      break;
+    }
+    handled += parsed.frame->size;
+    handle_frame(connection, *parsed.frame);
+  }
+  connection.input.erase(0, handled);
+}
+
+void Server::Impl::handle_frame(Connection& connection, const IncomingFrame& frame) {
+  const bool continues = frame.opcode == Opcode::continuation;
+  if (frame.opcode == Opcode::close) {
+    connection.send(close_frame(CloseCode::normal));
+    connection.begin_closing(now);
+  } else if (frame.opcode == Opcode::ping) {
+    connection.send(frame_header(Opcode::pong, frame.payload.size()));
+    connection.send(frame.payload);
+    if (connection.own_bytes() > kMostOwnBytes) {
+      disconnect(connection, CloseCode::violated_policy, "pings without reading the answers");
+    }
+  } else if (frame.opcode == Opcode::pong) {
+    return;
+  } else if (continues != connection.message_begun) {
+    disconnect(connection, CloseCode::protocol_error, "a message is not continued as it began");
+  } else if (connection.message.size() + frame.payload.size() > kLargestMessage) {
+    disconnect(connection, CloseCode::too_big,
+               fmt::format("a message has more than {} bytes", kLargestMessage));
+  } else {
+    connection.message_is_text =
+        continues ? connection.message_is_text : frame.opcode == Opcode::text;
+    connection.message += frame.payload;
+    connection.message_begun = !frame.last;
+    if (frame.last) {
+      const std::string message = std::exchange(connection.message, {});
+      if (connection.message_is_text) {
+        take(connection, message);
       }
     }
-    newest[channel] = frame;
-  });
+  }
 }
 
-void Server::Impl::tell_losses() {
-  for (auto& [wsi, connection] : connections) {
-    if (connection.viewer) {
-      const std::string text =
-          nlohmann::json{{"lost", hub.lost()}, {"dropped", connection.viewer->dropped()}}.dump();
-      connection.viewer->send(Hub::kLosses, data_frame(hub.time(), std::as_bytes(std::span(text))));
+void Server::Impl::take(Connection& connection, std::string_view text) {
+  nlohmann::json message = nlohmann::json::parse(
+      text, [](int depth, auto /*event*/, const auto& /*value*/) { return depth <= kDeepest; },
+      false);
+  Client& client = connection.client();
+  if (const auto pressed = stop_request(message, client.may_control)) {
+    stop_flag.press(*pressed);
+  }
+  if (++client.waiting_requests > kMostWaitingRequests) {
+    disconnect(connection, CloseCode::violated_policy, "requests come faster than their answers");
+  } else {
+    requests.push_back({connection.shared_client(), std::move(message)});
+  }
+}
+
+void Server::Impl::refuse(Connection& connection, unsigned status, const std::string& reason) {
+  const std::string body = reason + "\n";
+  report(connection, fmt::format("refused with {}: {}", status, reason));
+  connection.send(response_head(status, "text/plain", body.size(), "connection: close\r\n") + body);
+  connection.begin_closing(now);
+}
+
+void Server::Impl::disconnect(Connection& connection, CloseCode code, const std::string& reason) {
+  report(connection, fmt::format("disconnected: {}", reason));
+  connection.send(close_frame(code));
+  connection.begin_closing(now);
+}
+
+/// At most one line per second: an attacker does not fill the terminal.
+void Server::Impl::report(const Connection& connection, const std::string& event) {
+  if (now < next_log) {
+    ++unreported;
+    return;
+  }
+  next_log = now + kLogPeriod;
+  log_line(fmt::format("{} {}{}", address_text(connection.address()), event,
+                       unreported == 0 ? "" : fmt::format(" (and {} more)", unreported)));
+  unreported = 0;
+}
+
+void Server::Impl::accept_some() {
+  try {
+    for (int i = 0; i < kAcceptsPerTurn; ++i) {
+      auto accepted = listener.accept();
+      if (!accepted) {
+        return;
+      }
+      make_room(accepted->address);
+      connections.push_back(std::make_unique<Connection>(std::move(*accepted), now));
+    }
+  } catch (const TransportError&) {
+    if (!close_oldest(0, true)) {
+      next_accept = now + kNsPerSecond;
     }
   }
 }
 
-void Server::Impl::ask_to_write() {
-  for (auto& [wsi, connection] : connections) {
-    if (connection.viewer && connection.viewer->waits()) {
-      lws_callback_on_writable(wsi);
+void Server::Impl::make_room(std::uint32_t address) {
+  std::size_t all = 0;
+  std::size_t of_address = 0;
+  for (const auto& each : connections) {
+    if (!each->is_viewer()) {
+      ++all;
+      of_address += each->address() == address ? 1 : 0;
+    }
+  }
+  if (of_address >= kMostRequestsPerAddress || all >= kMostRequests) {
+    close_oldest(address, of_address < kMostRequestsPerAddress);
+  }
+}
+
+/// Closes a connection that is no viewer: first those that have never sent a request.
+bool Server::Impl::close_oldest(std::uint32_t address, bool any_address) {
+  const auto rank = [&](const auto& each) {
+    const bool is_candidate = !each->is_viewer() && (any_address || each->address() == address);
+    return std::tuple(!is_candidate, each->has_served(), each->since());
+  };
+  const auto oldest = std::ranges::min_element(connections, {}, rank);
+  if (oldest == connections.end() || std::get<0>(rank(*oldest))) {
+    return false;
+  }
+  connections.erase(oldest);
+  return true;
+}
+
+void Server::Impl::begin_period() {
+  for (const auto& connection : connections) {
+    connection->budget = kFramesPerPeriod;
+    if (has_expired(*connection)) {
+      connection->drop();
+    } else if (!connection->input.empty()) {
+      handle_input(*connection);
     }
   }
 }
 
-void Server::Impl::tick(lws_sorted_usec_list_t* list) {
-  Impl& impl = *lws_container_of(list, Timer, list)->impl;
-  const TimeNs now = wall_now();
-  if (now >= impl.next_own) {
-    impl.next_own = now + kOwnPeriod;
-    impl.tell_losses();
+bool Server::Impl::has_expired(Connection& connection) {
+  const TimeNs age = now - connection.since();
+  const bool lags = connection.lags(now, kLagPatience);
+  switch (connection.state()) {
+    case State::request:
+      return age > (connection.has_served() ? kIdlePatience : kRequestPatience);
+    case State::response:
+      return lags;
+    case State::closing:
+      return age > kClosePatience;
+    case State::viewer:
+      break;
   }
-  if (now >= impl.next_look) {
-    impl.next_look = now + kLookPeriod;
-    impl.look();
+  const TimeNs silence = now - connection.received();
+  if (silence > kPingAfter && now - connection.pinged > kPingAfter) {
+    connection.pinged = now;
+    connection.send(frame_header(Opcode::ping, 0));
   }
-  impl.begin_anew();
-  impl.read();
-  impl.ask_to_write();
-  lws_sul_schedule(impl.context, 0, &impl.timer.list, &Impl::tick, kReadPeriod_us);
+  if (lags) {
+    report(connection, fmt::format("disconnected: the viewer has read nothing for {} s",
+                                   kLagPatience / kNsPerSecond));
+  }
+  return lags || silence > kSilencePatience;
 }
 
 Server::Server(const ServerOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 Server::~Server() = default;
 
 std::uint16_t Server::port() const {
-  return static_cast<std::uint16_t>(lws_get_vhost_listen_port(impl_->vhost));
+  return impl_->listener.port();
 }
 
 void Server::run() {
   while (!impl_->stop) {
-    lws_service(impl_->context, 0);
+    impl_->make_turn();
   }
   for (const TimeNs end = wall_now() + kLastWords; wall_now() < end;) {
-    lws_service(impl_->context, 0);
+    impl_->make_turn();
   }
 }
 
 void Server::stop() {
   impl_->stop = true;
-  lws_cancel_service(impl_->context);
+  impl_->wake();
 }
 
 }  // namespace spikeloop::view

@@ -1,10 +1,12 @@
 #include "viewer.hpp"
 
 #include <fmt/format.h>
-#include <libwebsockets.h>
 
 #include <algorithm>
 #include <cstring>
+#include <set>
+
+#include "access.hpp"
 
 #include "spikeloop/core/parse_message.hpp"
 
@@ -14,22 +16,10 @@ namespace {
 using nlohmann::json;
 
 // Opcodes of the protocol's binary messages.
-constexpr unsigned char kMessageData = 1;
-constexpr unsigned char kTime = 2;
-constexpr std::size_t kSubscriptionAt = 1;  // behind the opcode
+constexpr char kMessageData = 1;
+constexpr char kTime = 2;
 constexpr std::size_t kTimeAt = 5;
 constexpr std::size_t kMessageAt = 13;
-
-/// Of frames that wait for one viewer.
-constexpr std::size_t kMostBytes = std::size_t{16} << 20;
-constexpr std::size_t kMostSubscriptions = 10'000;
-
-SharedFrame binary_frame(std::size_t size) {
-  auto frame = std::make_shared<Frame>();
-  frame->binary = true;
-  frame->bytes.resize(LWS_PRE + size);
-  return frame;
-}
 
 /// The protocol counts channels from 1: viewers take 0 for none.
 std::uint32_t id_of(std::size_t channel) {
@@ -38,37 +28,22 @@ std::uint32_t id_of(std::size_t channel) {
 
 }  // namespace
 
-std::size_t Frame::size() const {
-  return bytes.size() - LWS_PRE;
-}
-
-unsigned char* Frame::payload() {
-  return bytes.data() + LWS_PRE;
-}
-
 SharedFrame text_frame(const json& message) {
-  const std::string text = message.dump(-1, ' ', false, json::error_handler_t::replace);
-  auto frame = std::make_shared<Frame>();
-  frame->bytes.resize(LWS_PRE + text.size());
-  std::ranges::copy(text, frame->payload());
-  return frame;
+  return std::make_shared<Frame>(Frame::Kind::text,
+                                 message.dump(-1, ' ', false, json::error_handler_t::replace));
 }
 
 SharedFrame data_frame(TimeNs time, std::span<const std::byte> message) {
-  auto frame = binary_frame(kMessageAt + message.size());
-  frame->payload()[0] = kMessageData;
-  std::memcpy(frame->payload() + kTimeAt, &time, sizeof(time));
-  if (!message.empty()) {
-    std::memcpy(frame->payload() + kMessageAt, message.data(), message.size());
-  }
-  return frame;
+  std::string bytes(kMessageAt, kMessageData);
+  std::memcpy(bytes.data() + kTimeAt, &time, sizeof(time));
+  bytes.append(reinterpret_cast<const char*>(message.data()), message.size());
+  return std::make_shared<Frame>(Frame::Kind::data, std::move(bytes));
 }
 
 SharedFrame time_frame(TimeNs time) {
-  auto frame = binary_frame(1 + sizeof(time));
-  frame->payload()[0] = kTime;
-  std::memcpy(frame->payload() + 1, &time, sizeof(time));
-  return frame;
+  std::string bytes(1 + sizeof(time), kTime);
+  std::memcpy(bytes.data() + 1, &time, sizeof(time));
+  return std::make_shared<Frame>(Frame::Kind::time, std::move(bytes));
 }
 
 void Viewer::greet(const std::string& name, const json& metadata, const std::string& session) {
@@ -94,8 +69,7 @@ void Viewer::advertise(std::size_t from, std::size_t to) {
   send(text_frame({{"op", "advertise"}, {"channels", channels}}));
 }
 
-void Viewer::take(std::string_view text, const std::vector<SharedFrame>& newest) {
-  const json message = parse_message<json>(text);
+void Viewer::take(const json& message, const std::vector<SharedFrame>& newest) {
   const std::string op = message.is_object() && message.contains("op") && message["op"].is_string()
                              ? message["op"]
                              : "";
@@ -103,9 +77,7 @@ void Viewer::take(std::string_view text, const std::vector<SharedFrame>& newest)
     if (op == "subscribe") {
       subscribe(message, newest);
     } else if (op == "unsubscribe") {
-      for (const json& id : message.at("subscriptionIds")) {
-        channels_.erase(id.get<std::uint32_t>());
-      }
+      unsubscribe(message);
     } else if (op == "getParameters") {
       send_parameters(message.value("id", json()),
                       message.value("parameterNames", std::vector<std::string>()));
@@ -123,20 +95,36 @@ void Viewer::take(std::string_view text, const std::vector<SharedFrame>& newest)
   }
 }
 
+/// One subscription per channel, and one answer for all that are refused.
 void Viewer::subscribe(const json& message, const std::vector<SharedFrame>& newest) {
+  subscriptions_.resize(newest.size());
+  std::string refusal;
   for (const json& subscription : message.at("subscriptions")) {
     const auto id = subscription.at("id").get<std::uint32_t>();
     const auto channel = subscription.at("channelId").get<std::uint32_t>();
     if (channel == 0 || channel > newest.size()) {
-      complain(fmt::format("there is no channel {}", channel));
-    } else if (channels_.size() == kMostSubscriptions) {
-      complain("there are too many subscriptions");
+      refusal = fmt::format("there is no channel {}", channel);
+    } else if (auto& present = subscriptions_[channel - 1]; present) {
+      refusal = fmt::format("subscription {} to channel {} exists; end it before another one",
+                            *present, channel);
     } else {
-      channels_[id] = channel - 1;
+      present = id;
       hub_.watch();
       if (const SharedFrame& frame = newest[channel - 1]) {
-        push({frame, true, id});
+        client_->outbox.push({frame, id});
       }
+    }
+  }
+  if (!refusal.empty()) {
+    complain(refusal);
+  }
+}
+
+void Viewer::unsubscribe(const json& message) {
+  const auto ids = message.at("subscriptionIds").get<std::set<std::uint32_t>>();
+  for (auto& subscription : subscriptions_) {
+    if (subscription && ids.contains(*subscription)) {
+      subscription.reset();
     }
   }
 }
@@ -145,7 +133,7 @@ void Viewer::set_parameters(const json& message) {
   for (const json& parameter : message.at("parameters")) {
     const auto name = parameter.at("name").get<std::string>();
     const json value = parameter.value("value", json());
-    if (!may_control_ && !Hub::needs_no_token(name, value)) {
+    if (!client_->may_control && !needs_no_token(name, value)) {
       complain(
           fmt::format("'{}' can be set with the address that the run has printed, which has a "
                       "token",
@@ -177,42 +165,13 @@ void Viewer::complain(const std::string& text) {
 }
 
 void Viewer::send(std::uint32_t channel, const SharedFrame& frame) {
-  for (const auto& [subscription, subscribed] : channels_) {
-    if (subscribed == channel) {
-      push({frame, true, subscription});
-    }
+  if (channel < subscriptions_.size() && subscriptions_[channel]) {
+    client_->outbox.push({frame, *subscriptions_[channel]});
   }
 }
 
 void Viewer::send(SharedFrame frame) {
-  push({std::move(frame), false, 0});
-}
-
-void Viewer::push(Waiting waiting) {
-  queued_bytes_ += waiting.frame->size();
-  queue_.push_back(std::move(waiting));
-  while (queued_bytes_ > kMostBytes) {
-    const auto oldest = std::ranges::find(queue_, true, &Waiting::is_data);
-    if (oldest == queue_.end()) {
-      hangs_ = true;  // it asks and asks, and reads no answer
-      return;
-    }
-    queued_bytes_ -= oldest->frame->size();
-    ++dropped_;
-    queue_.erase(oldest);
-  }
-}
-
-SharedFrame Viewer::pop() {
-  const Waiting waiting = std::move(queue_.front());
-  queue_.pop_front();
-  queued_bytes_ -= waiting.frame->size();
-  if (waiting.is_data) {
-    // Viewers share the frame, and are written to one after the other.
-    std::memcpy(waiting.frame->payload() + kSubscriptionAt, &waiting.subscription,
-                sizeof(waiting.subscription));
-  }
-  return waiting.frame;
+  client_->outbox.push({std::move(frame)});
 }
 
 }  // namespace spikeloop::view

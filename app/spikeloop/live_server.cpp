@@ -3,17 +3,15 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <stdlib.h>
-#include <sys/random.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <chrono>
-#include <map>
 #include <utility>
 #include <vector>
 
 #include "output.hpp"
+#include "spikeloop/core/background.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
@@ -26,19 +24,7 @@ namespace spikeloop::app {
 namespace {
 
 constexpr TimeNs kLongestStart = 5 * kNsPerSecond;
-constexpr std::chrono::milliseconds kWatchPeriod{100};
-
-std::string make_token() {
-  std::array<unsigned char, 16> bytes{};
-  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-    throw TransportError("there are no random numbers for the token of the live view");
-  }
-  std::string token;
-  for (const unsigned char byte : bytes) {
-    token += fmt::format("{:02x}", byte);
-  }
-  return token;
-}
+constexpr int kWatchMs = 100;
 
 /// The first line, or what it complains of.
 std::string first_line(const ProcessTree& server) {
@@ -66,10 +52,6 @@ std::string first_line(const ProcessTree& server) {
   return text.substr(0, text.find('\n') + 1);
 }
 
-bool is_this_machine(const std::string& host) {
-  return host.starts_with("127.");
-}
-
 }  // namespace
 
 void add_address_options(CLI::App& command, LiveOptions& options) {
@@ -78,8 +60,8 @@ void add_address_options(CLI::App& command, LiveOptions& options) {
       ->capture_default_str();
   command
       .add_option("--live-host", options.host,
-                  "Address of this machine for viewers on others, such as 0.0.0.0; only those with "
-                  "the printed URL can control the run, all can stop the robot")
+                  "Address of this machine for viewers on others, such as 0.0.0.0; all can watch "
+                  "and stop the robot, those with the printed URL can control the run")
       ->capture_default_str();
 }
 
@@ -94,19 +76,11 @@ LiveServer::LiveServer(const LiveOptions& options, const std::string& run_folder
   if (recording) {
     words.emplace_back("--recording");
   }
-  std::map<std::string, std::string> environment;
-  if (!is_this_machine(options.host)) {
-    environment[live::kTokenVariable] = make_token();
-  }
-  server_.emplace(ProgramStart{.arguments = words,
-                               .environment = environment,
-                               .directory = {},
-                               .kept = folder_.descriptor()});
+  server_.emplace(ProgramStart{
+      .arguments = words, .environment = {}, .directory = {}, .kept = folder_.descriptor()});
   put(stderr, first_line(*server_));
+  watch_ = background_thread([this, recording] { watch(recording); });
   ::setenv(live::kFolderVariable, folder_.path().c_str(), 1);
-  if (!recording) {
-    watch_ = std::thread([this] { watch(); });
-  }
 }
 
 void LiveServer::require_alive() {
@@ -117,32 +91,48 @@ void LiveServer::require_alive() {
   }
 }
 
-/// Warns once when the server has ended, and whenever it is stopped.
-void LiveServer::watch() {
-  bool stopped = false;
-  while (!ending_.load()) {
-    if (server_->gone()) {
-      log::warning(
-          "spikeloop-live has ended: there is no live view and no STOP button any more; Ctrl-C "
-          "stops the robot");
+/// Prints what the server reports, such as requests that it refuses, until the server has ended.
+void LiveServer::watch(bool recording) {
+  std::string text;
+  std::array<char, 4096> bytes{};
+  pollfd error{server_->err(), POLLIN, 0};
+  while (!ended_) {
+    const ssize_t size =
+        ::poll(&error, 1, kWatchMs) == 1 ? ::read(error.fd, bytes.data(), bytes.size()) : -1;
+    text.append(bytes.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+    if (const std::size_t end = text.rfind('\n'); end != std::string::npos) {
+      put(stderr, text.substr(0, end + 1));
+      text.erase(0, end + 1);
+    }
+    error.fd = size == 0 ? -1 : error.fd;
+    if (!recording && !warn_if_lost()) {
       return;
     }
-    const bool before = std::exchange(stopped, is_stopped(server_->pid()));
-    if (stopped && !before) {
-      log::warning(
-          "spikeloop-live has been stopped (SIGSTOP): its STOP button does nothing; Ctrl-C stops "
-          "the robot, and  kill -CONT {}  continues the live view",
-          server_->pid());
-    }
-    std::this_thread::sleep_for(kWatchPeriod);
   }
 }
 
-LiveServer::~LiveServer() {
-  ending_.store(true);
-  if (watch_.joinable()) {
-    watch_.join();
+/// The robot is driven on, but nobody can stop it by the page. Returns false after the server's
+/// end.
+bool LiveServer::warn_if_lost() {
+  if (server_->gone()) {
+    log::warning(
+        "spikeloop-live has ended: there is no live view and no STOP button any more; Ctrl-C stops "
+        "the robot");
+    return false;
   }
+  const bool before = std::exchange(stopped_, is_stopped(server_->pid()));
+  if (stopped_ && !before) {
+    log::warning(
+        "spikeloop-live has been stopped (SIGSTOP): its STOP button does nothing; Ctrl-C stops the "
+        "robot, and  kill -CONT {}  continues the live view",
+        server_->pid());
+  }
+  return true;
+}
+
+LiveServer::~LiveServer() {
+  ended_ = true;
+  watch_.join();
   server_->end();
 }
 

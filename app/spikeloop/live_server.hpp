@@ -18,8 +18,8 @@ namespace spikeloop::app {
 
 struct LiveOptions {
   bool on = false;
-  std::string host = "127.0.0.1";  ///< other addresses need the token in the URL for control
-  std::uint16_t port = 8765;       ///< or one of the nine behind it; 0: any
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 8765;  ///< or one of the nine behind it; 0: any
 };
 
 /// --live-port and --live-host.
@@ -40,12 +40,14 @@ class LiveServer {
   LiveServer& operator=(const LiveServer&) = delete;
 
  private:
-  void watch();
+  void watch(bool recording);
+  bool warn_if_lost();
 
   ScratchFolder folder_;
   std::optional<ProcessTree> server_;
-  std::atomic<bool> ending_{false};
-  std::thread watch_;  ///< during a run; its loop may be busy
+  std::atomic<bool> ended_{false};
+  bool stopped_ = false;  ///< by SIGSTOP; of the thread
+  std::thread watch_;
 };
 
 }  // namespace spikeloop::app

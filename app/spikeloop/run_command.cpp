@@ -57,7 +57,7 @@ constexpr const char* kFooter = R"(Examples:
   spikeloop run runs/braitenberg-1        repeats a run: its files, with its settings
   spikeloop run braitenberg.yaml --set encoder.rate_max="100 Hz" --set robot.seed=3
   spikeloop run braitenberg.yaml --render drive.mp4 --render-view above+chase
-  spikeloop run braitenberg.yaml --live   shows the run in the browser at http://127.0.0.1:8765/
+  spikeloop run braitenberg.yaml --live   shows the run in the browser; open the printed address
   spikeloop run explorer.yaml /scan:=/front/scan               remaps a topic, as in ROS 1
   spikeloop run explorer.yaml --ros-args -r /scan:=/front/scan -r __ns:=/arena       as in ROS 2
   spikeloop run braitenberg.music --roscore --robot --duration 60 --out run1

@@ -24,7 +24,7 @@ namespace spikeloop::app::view_command {
 namespace {
 
 constexpr const char* kFooter = R"(Examples:
-  spikeloop view runs/explorer-1                    shows the run at http://127.0.0.1:8765/
+  spikeloop view runs/explorer-1                    shows the run; open the printed address
   spikeloop view runs/explorer-1 --live-port 0      at any free port
   spikeloop view runs/explorer-1 --out run.mcap     writes all of it as one MCAP file, for Foxglove
 

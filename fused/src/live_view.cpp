@@ -13,6 +13,7 @@
 #include "changes.hpp"
 #include "spikeloop/core/background.hpp"
 #include "spikeloop/core/pacer.hpp"
+#include "spikeloop/core/priority.hpp"
 #include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 #include "spikeloop/live/neural_messages.hpp"
@@ -387,6 +388,7 @@ void StopButton::look() {
 }
 
 void StopButton::watch() {
+  run_before_others();
   while (!done_) {
     look();
     std::this_thread::sleep_for(kLookPeriod);

@@ -2,6 +2,7 @@
 
 const PROTOCOLS = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
 const RETRY_MS = 1000;
+const SUBSCRIPTIONS = 200;  // of one message: the server reads at most 16 KB
 const SILENT_MS = 10_000;  // the server sends time and status many times a second
 
 export class Connection {
@@ -129,11 +130,11 @@ export class Connection {
         this.subscribed.delete(channel.id);
       }
     }
-    if (added.length) {
-      this.send({ op: "subscribe", subscriptions: added });
+    for (let i = 0; i < added.length; i += SUBSCRIPTIONS) {
+      this.send({ op: "subscribe", subscriptions: added.slice(i, i + SUBSCRIPTIONS) });
     }
-    if (removed.length) {
-      this.send({ op: "unsubscribe", subscriptionIds: removed });
+    for (let i = 0; i < removed.length; i += SUBSCRIPTIONS) {
+      this.send({ op: "unsubscribe", subscriptionIds: removed.slice(i, i + SUBSCRIPTIONS) });
     }
   }
 

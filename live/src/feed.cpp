@@ -28,8 +28,6 @@ std::unique_ptr<SharedFile> make_file(const std::string& path, std::size_t ring_
   auto file = std::make_unique<SharedFile>(unfinished, ring_bytes);
   file->header().speed = about.pausable ? kFirstSpeed : 0;
   file->header().seen_at = wall_now();
-  file->header().stop =
-      std::filesystem::exists(std::filesystem::path(path).parent_path() / kStopFile) ? 1 : 0;
   file->add_text(
       json{{"process", about.process}, {"commands", about.commands}, {"pausable", about.pausable}}
           .dump() +
@@ -46,7 +44,7 @@ std::string folder_from_environment() {
 }
 
 Feed::Feed(const std::string& folder, const About& about, std::size_t ring_bytes)
-    : file_(make_file(folder + "/" + about.process + ".feed", ring_bytes, about)) {}
+    : stop_(folder), file_(make_file(folder + "/" + about.process + ".feed", ring_bytes, about)) {}
 
 Feed::~Feed() = default;
 
@@ -123,10 +121,6 @@ void Feed::begin_anew() {
 
 bool Feed::watched() const {
   return file_->header().watched.load() != 0;
-}
-
-bool Feed::stop_pressed() const {
-  return file_->header().stop.load() != 0;
 }
 
 /// Nobody could end a pause when the view has gone.
@@ -232,10 +226,6 @@ void FeedReader::watch() {
   file_->header().watched = 1;
 }
 
-void FeedReader::press_stop(bool pressed) {
-  file_->header().stop = pressed ? 1 : 0;
-}
-
 void FeedReader::pause(bool paused) {
   file_->header().paused = paused ? 1 : 0;
 }
@@ -246,10 +236,6 @@ void FeedReader::step() {
 
 void FeedReader::set_speed(double speed) {
   file_->header().speed = speed;
-}
-
-bool FeedReader::stop_pressed() const {
-  return file_->header().stop.load() != 0;
 }
 
 bool FeedReader::paused() const {

@@ -29,7 +29,6 @@ struct Header {
   // By the view.
   std::atomic<std::int64_t> seen_at;  // wall time
   std::atomic<std::uint32_t> watched;
-  std::atomic<std::uint32_t> stop;
   std::atomic<std::uint32_t> paused;
   std::atomic<std::uint64_t> steps;
   std::atomic<double> speed;

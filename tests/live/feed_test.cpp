@@ -124,7 +124,8 @@ TEST_F(FeedTest, TheViewAsks) {
   FeedReader reader = this->reader();
   EXPECT_FALSE(feed_.stop_pressed());
   EXPECT_EQ(feed_.speed(), 0);
-  reader.press_stop(true);
+  StopFlag stop(directory_.path());
+  stop.press(true);
   reader.pause(true);
   reader.step();
   reader.set_speed(0.5);
@@ -132,7 +133,7 @@ TEST_F(FeedTest, TheViewAsks) {
   EXPECT_TRUE(feed_.paused());
   EXPECT_EQ(feed_.steps(), 1);
   EXPECT_EQ(feed_.speed(), 0.5);
-  reader.press_stop(false);
+  stop.press(false);
   EXPECT_FALSE(feed_.stop_pressed());
   EXPECT_FALSE(feed_.watched());
   reader.watch();
@@ -140,7 +141,7 @@ TEST_F(FeedTest, TheViewAsks) {
 }
 
 TEST_F(FeedTest, AProcessThatBeginsAfterStopWasPressedIsStopped) {
-  std::ofstream(directory_.path() / kStopFile).close();
+  StopFlag(directory_.path()).press(true);
   const Feed late(directory_.path(), {.process = "late", .commands = true}, kRing);
   EXPECT_TRUE(late.stop_pressed());
 }

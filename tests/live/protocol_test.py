@@ -2,6 +2,8 @@
 
 import http.client
 import json
+import os
+import pathlib
 import unittest
 import urllib.request
 
@@ -64,35 +66,49 @@ class Protocol(viewing.FolderCase):
         with viewing.Run(self.folder / "run", "--sync", "realtime", "--duration", "60") as job:
             viewer = viewing.Viewer(job.socket_url(), "/spikeloop/status")
             viewer.until(lambda: "/spikeloop/status" in viewer.messages and viewer.status()["simulated_s"] > 0.5)
-            status, headers, page = get(job.url, "")
+            status, headers, page = get(job.site(), "")
             self.assertEqual(status, 200)
             self.assertIn(b"<html", page)
+            self.assertEqual(get(job.url, "")[2], page)
             self.assertIn("default-src 'self'", headers["content-security-policy"])
-            self.assertEqual(json.loads(get(job.url, "run/resolved.json")[2])["experiment"], "braitenberg")
-            _, _, path = get(job.url, "run/trajectory.csv")
+            self.assertEqual(json.loads(get(job.site(), "run/resolved.json")[2])["experiment"], "braitenberg")
+            _, _, path = get(job.site(), "run/trajectory.csv")
             self.assertTrue(path.startswith(b"t_s,x_m,"))
-            status, headers, rest = get(job.url, "run/trajectory.csv", Range=f"bytes={len(path) - 10}-")
+            status, headers, rest = get(job.site(), "run/trajectory.csv", Range=f"bytes={len(path) - 10}-")
             self.assertEqual(status, 206)
             self.assertTrue(rest.startswith(path[-10:]))
             first, size = len(path) - 10, len(path) - 10 + len(rest)
             self.assertEqual(headers["content-range"], f"bytes {first}-{size - 1}/{size}")
             for other in ("bytes=0-9", "bytes=-5", "lines=1-"):  # may be answered with all
-                status, _, page = get(job.url, "run/resolved.json", Range=other)
+                status, _, page = get(job.site(), "run/resolved.json", Range=other)
                 self.assertEqual((status, json.loads(page)["experiment"]), (200, "braitenberg"))
             with self.assertRaises(urllib.error.HTTPError) as failure:
-                get(job.url, "run/resolved.json", Range="bytes=1000000000-")
+                get(job.site(), "run/resolved.json", Range="bytes=1000000000-")
             self.assertEqual(failure.exception.code, 416)
             self.assertRegex(failure.exception.headers["content-range"], r"^bytes \*/\d+$")
-            self.heads(job.url)
+            self.heads(job.site())
             viewer.send(op="getParameters", parameterNames=["encoder.rate_min"], id="one")
             viewer.until(lambda: viewer.parameters == {"encoder.rate_min": 1})
             for missing in ("run/log.txt", "run/../../secret", "..%2f..%2fetc/passwd", "nothing.js"):
                 with self.assertRaises(urllib.error.HTTPError, msg=missing) as failure:
-                    get(job.url, missing)
+                    get(job.site(), missing)
                 self.assertEqual(failure.exception.code, 404, missing)
+            self.only_regular_files(job)
             code, printed = job.interrupt()
         self.assertEqual(code, 130, printed)
         self.assertEqual(job.servers(), [])
+
+    def only_regular_files(self, job):
+        """Neither a link out of the run folder, nor a pipe, which would be waited for."""
+        for name, make in (("world.json", lambda path: path.symlink_to("/etc/hostname")), ("episodes.csv", os.mkfifo),
+                           ("summary.json", pathlib.Path.mkdir)):
+            path = self.folder / "run" / name
+            path.unlink(missing_ok=True)
+            make(path)
+            with self.assertRaises(urllib.error.HTTPError, msg=name) as failure:
+                get(job.site(), f"run/{name}")
+            self.assertEqual(failure.exception.code, 404, name)
+            (path.rmdir if path.is_dir() and not path.is_symlink() else path.unlink)()
 
 
 if __name__ == "__main__":

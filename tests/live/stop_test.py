@@ -1,15 +1,30 @@
 """STOP reaches the robot in time, in every layout."""
 
 import json
+import statistics
 import time
 import unittest
 
+import attacked
 import ros
 import viewing
 
 STATUS = "/spikeloop/status"
 # 0.2 s to the robot, and a status every 0.1 s, which tells the viewer.
 SECONDS = 0.5
+
+
+ATTACKED_MS = 100
+
+
+class Attacked(viewing.FolderCase):
+    def test_stop_in_time_whatever_other_viewers_send(self):
+        with attacked.robot(self.folder) as robot:
+            for kind, count in (("subscribers", 8), ("connections", 2000), ("frames", 4)):
+                with self.subTest(kind):
+                    times = attacked.times_to_zero(robot, self.folder, kind, count, 9)
+                    # A busy machine may delay one of nine.
+                    self.assertLess(statistics.median(times), ATTACKED_MS, times)
 
 
 class Stop(viewing.FolderCase):

@@ -38,6 +38,13 @@ class Run:
     def socket_url(self):
         return self.url.replace("http:", "ws:").replace("0.0.0.0", "127.0.0.1")
 
+    def site(self):
+        """The address without the token, for programs on this machine."""
+        return self.url.split("?")[0].replace("0.0.0.0", "127.0.0.1")
+
+    def address(self):
+        return "127.0.0.1", int(self.site().rstrip("/").rsplit(":", 1)[1])
+
     def end(self):
         """Its exit code, and what it printed."""
         printed = self.process.stderr.read()

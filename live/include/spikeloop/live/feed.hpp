@@ -19,18 +19,14 @@
 #include <vector>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/live/stop_flag.hpp"
 
 namespace spikeloop::live {
 
 /// The environment variable with the folder of the files; unset: there is no live view.
 inline constexpr const char* kFolderVariable = "SPIKELOOP_LIVE";
 
-/// Of spikeloop-live: what control needs; unset: nothing.
-inline constexpr const char* kTokenVariable = "SPIKELOOP_LIVE_TOKEN";
 std::string folder_from_environment();  ///< empty: unset
-
-/// A file in that folder: STOP is pressed, also for processes that begin later.
-inline constexpr const char* kStopFile = "stop";
 
 inline constexpr std::size_t kRingBytes = std::size_t{16} << 20;
 
@@ -91,7 +87,7 @@ class Feed {
   // What the view asks for now. Without a view for five seconds a run is neither paused nor slow;
   // STOP stays as it is.
 
-  bool stop_pressed() const;
+  bool stop_pressed() const { return stop_.is_pressed(); }
   bool paused() const;
   /// Ticks that a paused run was asked to make so far.
   std::uint64_t steps() const;
@@ -105,6 +101,7 @@ class Feed {
  private:
   bool has_view() const;
 
+  StopFlag stop_;
   std::unique_ptr<SharedFile> file_;
   std::uint32_t channels_ = 0;
   std::vector<std::uint32_t> seen_{};  ///< changes of each parameter
@@ -139,11 +136,9 @@ class FeedReader {
   /// Counts Feed::begin_anew(); what was told before a new one is not read any more.
   std::uint32_t beginnings();
   void watch();  ///< as Feed::watched()
-  void press_stop(bool pressed);
   void pause(bool paused);
   void step();
   void set_speed(double speed);
-  bool stop_pressed() const;
   bool paused() const;
   std::uint64_t steps() const;
   double speed() const;
