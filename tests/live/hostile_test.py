@@ -191,6 +191,14 @@ class Hostile(viewing.FolderCase):
         self.assertLess(int(peak) * 1024, FRAME)
         self.still_serves(run)
 
+    def test_a_viewer_that_reads_nothing_is_disconnected(self):
+        run = self.start("--set", "encoder.rate_max=5000 Hz")
+        lazy = viewing.Viewer(run.socket_url(), sockopt=[(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)])
+        lazy.until(lambda: "/encoder/out" in lazy.messages)
+        while "the viewer has read nothing for 5 s" not in run.process.stderr.readline():
+            self.assertIsNone(run.process.poll())
+        self.still_serves(run)
+
     def test_a_run_goes_on_without_its_server(self):
         run = viewing.Run(self.folder / "run", "--sync", "realtime", "--duration", "3")
         self.addCleanup(run.__exit__)
