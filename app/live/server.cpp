@@ -20,6 +20,7 @@
 #include "log.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
+#include "spikeloop/core/parse_message.hpp"
 #include "spikeloop/live/stop_flag.hpp"
 #include "websocket.hpp"
 
@@ -321,9 +322,7 @@ void Server::Impl::handle_frame(Connection& connection, const IncomingFrame& fra
 }
 
 void Server::Impl::take(Connection& connection, std::string_view text) {
-  nlohmann::json message = nlohmann::json::parse(
-      text, [](int depth, auto /*event*/, const auto& /*value*/) { return depth <= kDeepest; },
-      false);
+  auto message = parse_message<nlohmann::json>(text, kDeepest);
   Client& client = connection.client();
   if (const auto pressed = stop_request(message, client.may_control)) {
     stop_flag.press(*pressed);

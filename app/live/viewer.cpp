@@ -8,8 +8,6 @@
 
 #include "access.hpp"
 
-#include "spikeloop/core/parse_message.hpp"
-
 namespace spikeloop::view {
 namespace {
 

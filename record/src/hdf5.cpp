@@ -9,6 +9,7 @@
 
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/write_failures.hpp"
 
 namespace spikeloop::record::hdf5 {
 
@@ -59,10 +60,18 @@ Handle text_type() {
   return type;
 }
 
+/// HDF5 keeps freed memory for later use, by default up to some 20 MB.
+herr_t set_up_library() {
+  constexpr int kAll = 1 << 20;  // bytes
+  constexpr int kList = 1 << 16;
+  H5dont_atexit();  // the first call: HDF5 registers its handler when it starts
+  return H5set_free_list_limits(kAll, kList, kAll, kList, kAll, kList);
+}
+
 }  // namespace
 
 Lock::Lock() : guard_(library_mutex()) {
-  static const herr_t once = H5dont_atexit();
+  static const herr_t once = set_up_library();
   static_cast<void>(once);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
@@ -116,6 +125,7 @@ void reserve(const Handle& file, hsize_t bytes, const std::string& path) {
   void* descriptor = nullptr;
   hsize_t size = 0;
   check(H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &descriptor), "write", path);
+  require_not_deleted(*static_cast<int*>(descriptor), path);
   check(H5Fget_filesize(file.get(), &size), "write", path);
   const int refused = ::posix_fallocate(*static_cast<int*>(descriptor), static_cast<off_t>(size),
                                         static_cast<off_t>(bytes));
@@ -128,7 +138,7 @@ constexpr unsigned kCompression = 1;
 
 GrowingDataset::GrowingDataset(hid_t group, const char* name, hid_t type, hsize_t width,
                                bool compressed, std::string path)
-    : path_(std::move(path)), width_(width) {
+    : path_(std::move(path)), name_(name), width_(width) {
   chunk_rows_ = std::max<hsize_t>(1, kChunkValues / std::max<hsize_t>(1, width));
   const int rank = width == 0 ? 1 : 2;
   const std::array<hsize_t, 2> size{0, width};
@@ -149,6 +159,17 @@ GrowingDataset::GrowingDataset(hid_t group, const char* name, hid_t type, hsize_
   dataset_ = Handle(
       check(H5Dcreate2(group, name, type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
             "write", path_));
+}
+
+void GrowingDataset::open(hid_t group) {
+  dataset_ = Handle(check(H5Dopen2(group, name_.c_str(), H5P_DEFAULT), "write", path_));
+}
+
+void GrowingDataset::close() {
+  check(H5Dflush(dataset_.get()), "write", path_);
+  if (!dataset_.close()) {
+    fail("write", path_);
+  }
 }
 
 void GrowingDataset::append(const void* rows, hsize_t count, hid_t memory_type) {

@@ -61,21 +61,25 @@ class Handle {
 /// known before anything is written. @throws FileError with the system's words.
 void reserve(const Handle& file, hsize_t bytes, const std::string& path);
 
-/// A dataset that grows by rows; `width` 0 makes it one-dimensional.
+/// A dataset that grows by rows; `width` 0 makes it one-dimensional. It is open after construction,
+/// and between open() and close().
 class GrowingDataset {
  public:
   GrowingDataset() = default;
   GrowingDataset(hid_t group, const char* name, hid_t type, hsize_t width, bool compressed,
                  std::string path);
+  void open(hid_t group);
   void append(const void* rows, hsize_t count, hid_t memory_type);
   /// Bytes by which the file may grow when so many rows are appended, its index included.
   hsize_t growth(hsize_t count) const;
   hid_t get() const { return dataset_.get(); }
-  void close() { dataset_.close(); }
+  /// Writes the rows to the file first: HDF5 crashes if closing a dataset fails.
+  void close();
   void abandon() { dataset_.abandon(); }
 
  private:
   std::string path_;
+  std::string name_;
   hsize_t width_ = 0;
   hsize_t rows_ = 0;
   hsize_t chunk_rows_ = 1;

@@ -1,18 +1,17 @@
 #include "spikeloop/record/recorder.hpp"
 
 #include <fmt/format.h>
-#include <semaphore.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <ctime>
 #include <functional>
 #include <mutex>
-#include <thread>
 
 #include "hdf5.hpp"
 #include "spikeloop/core/background.hpp"
@@ -20,6 +19,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
 #include "stream.hpp"
+#include "writer.hpp"
 
 namespace spikeloop::record {
 
@@ -27,9 +27,33 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr long kCollectEveryNs = 50'000'000;
 constexpr hsize_t kSpareBytes = 65'536;  // object headers, attributes
-constexpr std::size_t kBatchBytes = std::size_t{8} << 20;
+/// A file is flushed when this much of its data waits; less if many files share the memory.
+constexpr std::size_t kMostBatchBytes = std::size_t{8} << 20;
+constexpr std::size_t kAllBatchBytes = std::size_t{64} << 20;
+/// HDF5's cache of metadata, per file. A node of the index of chunks counts as 2 kB and takes 25
+/// kB.
+constexpr std::size_t kMetadataBytes = std::size_t{1} << 16;
+/// Buffers of wide streams hold fewer rows than others, but those of this much simulated time.
+constexpr std::size_t kWideBufferBytes = std::size_t{64} << 20;
+constexpr std::size_t kMostBufferBytes = std::size_t{4} << 30;
+constexpr TimeNs kLeastBuffered = kNsPerSecond / 10;
+constexpr std::size_t kLeastRows = 4;
+
+/// By default the cache grows to 32 MB per file, with the index of the data.
+void bound_metadata(const hdf5::Handle& access) {
+  H5AC_cache_config_t cache{};
+  cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+  H5Pget_mdc_config(access.get(), &cache);
+  cache.set_initial_size = true;
+  cache.initial_size = kMetadataBytes;
+  cache.min_size = kMetadataBytes;
+  cache.max_size = kMetadataBytes;
+  cache.incr_mode = H5C_incr__off;
+  cache.flash_incr_mode = H5C_flash_incr__off;
+  cache.decr_mode = H5C_decr__off;
+  H5Pset_mdc_config(access.get(), &cache);
+}
 
 /// The oldest format: the newer ones mark a file as open, and a killed process would leave it so.
 /// Unlocked, so that one can look into the file of a run that is under way. Opened by its
@@ -39,6 +63,7 @@ hdf5::Handle create_recording(const std::string& path) {
   const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS));
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18);
   H5Pset_file_locking(access.get(), 0, 1);
+  bound_metadata(access);
   const hid_t file = H5Fcreate(fmt::format("/proc/self/fd/{}", made).c_str(), H5F_ACC_TRUNC,
                                H5P_DEFAULT, access.get());
   ::close(made);
@@ -61,8 +86,8 @@ void write_file_attributes(const hdf5::Handle& file, const std::string& path,
   attributes.write("complete", std::uint32_t{0});
 }
 
-hdf5::Handle create_group(const hdf5::Handle& file, const char* name, const std::string& path) {
-  return hdf5::Handle(hdf5::check(
+void create_group(const hdf5::Handle& file, const char* name, const std::string& path) {
+  const hdf5::Handle group(hdf5::check(
       H5Gcreate2(file.get(), name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "write", path));
 }
 
@@ -83,13 +108,11 @@ class RecordSink : public Sink {
 
 }  // namespace
 
-struct Recorder::Impl {
-  Impl(const std::string& path_, const RecorderOptions& options_) : path(path_), options(options_) {
-    sem_init(&wake, 0, 0);
-  }
-  ~Impl() { sem_destroy(&wake); }
+struct Recorder::Impl : WrittenFile {
+  Impl(const std::string& path_, TimeNs tick_, const RecorderOptions& options_)
+      : path(path_), tick(tick_), options(options_) {}
 
-  void run();
+  bool serve(std::size_t files) override;
   void collect(const std::vector<std::shared_ptr<Stream>>& all);
   void flush(const std::vector<std::shared_ptr<Stream>>& all);
   void write_safely(hsize_t growth, const std::function<void()>& action);
@@ -97,44 +120,44 @@ struct Recorder::Impl {
   std::shared_ptr<Stream> add(const std::function<std::shared_ptr<Stream>()>& make);
   void finish();
   void write_end(const std::vector<std::shared_ptr<Stream>>& all);
-  void close_file(const std::vector<std::shared_ptr<Stream>>& all);
+  void close_file();
   void abandon_file(const std::vector<std::shared_ptr<Stream>>& all);
-  void wait() noexcept;
   void check_name(const std::string& stream, std::uint32_t width);
+  std::size_t rows_of(const std::string& stream, std::uint32_t width) const;
   std::vector<std::shared_ptr<Stream>> snapshot();
   Report report();
   std::string loss(const Report& counts) const;
 
   std::string path;
+  TimeNs tick;
   RecorderOptions options;
   hdf5::Handle file;
-  hdf5::Handle spikes;
-  hdf5::Handle signals;
   std::mutex streams_mutex;  // never taken by the loop
   std::vector<std::shared_ptr<Stream>> streams;
   // Under HDF5's lock until the writer has ended.
   std::string failure;
   bool broken = false;  // HDF5 itself failed and must not touch the file any more
-  sem_t wake;
+  Clock::time_point next_flush = Clock::now();  // writer's thread only
   std::atomic<bool> stop{false};
   std::atomic<bool> ended{false};
   std::mutex close_mutex;
-  std::thread writer;
+  std::shared_ptr<Wake> wake;
 };
 
 Recorder::Recorder(const std::string& path, const std::string& process,
                    const RunAttributes& attributes, const RecorderOptions& options)
-    : impl_(std::make_unique<Impl>(path, options)) {
+    : writer_(Writer::shared()), impl_(std::make_shared<Impl>(path, attributes.tick, options)) {
+  impl_->wake = writer_->wake();
   {
     const hdf5::Lock lock;
     impl_->file = create_recording(path);
     write_file_attributes(impl_->file, path, process, attributes);
-    impl_->spikes = create_group(impl_->file, "spikes", path);
-    impl_->signals = create_group(impl_->file, "signals", path);
+    create_group(impl_->file, "spikes", path);
+    create_group(impl_->file, "signals", path);
     hdf5::check(H5Fflush(impl_->file.get(), H5F_SCOPE_GLOBAL), "write", path);
   }
-  // flush_and_close_from_signal() must never run there.
-  impl_->writer = background_thread([impl = impl_.get()] { impl->run(); });
+  impl_->next_flush += std::chrono::nanoseconds(options.flush_every);
+  writer_->add(impl_);
 }
 
 Recorder::~Recorder() {
@@ -172,9 +195,12 @@ std::shared_ptr<Stream> Recorder::Impl::add(const std::function<std::shared_ptr<
   std::shared_ptr<Stream> stream;
   {
     const hdf5::Lock lock;
-    write_safely(kSpareBytes, [&] { stream = make(); });
+    write_safely(kSpareBytes, [&] {
+      stream = make();
+      stream->close();
+    });
   }
-  stream->wake = [this] { sem_post(&wake); };
+  stream->wake_by(wake);
   if (options.patient) {
     stream->be_patient();
   }
@@ -187,8 +213,8 @@ std::unique_ptr<Sink> Recorder::spike_sink(const std::string& stream, std::uint3
                                            const std::vector<Population>& populations) {
   impl_->check_name(stream, width);
   const auto added = impl_->add([&] {
-    return std::make_shared<SpikeStream>(stream, width, populations, impl_->spikes.get(),
-                                         impl_->path, impl_->options.spike_capacity);
+    return std::make_shared<SpikeStream>(stream, width, populations, impl_->file.get(), impl_->path,
+                                         impl_->options.spike_capacity);
   });
   return std::make_unique<RecordSink>(added, PortKind::spikes);
 }
@@ -202,10 +228,9 @@ std::unique_ptr<Sink> Recorder::signal_sink(const std::string& stream, std::uint
         fmt::format("the recorded stream '{}' has {} channels but {} names: give one name each",
                     stream, width, channels.size()));
   }
-  const std::size_t rows =
-      std::max(impl_->options.least_rows, impl_->options.value_capacity / (width + std::size_t{1}));
+  const std::size_t rows = impl_->rows_of(stream, width);
   const auto added = impl_->add([&] {
-    return std::make_shared<SignalStream>(stream, width, unit, channels, impl_->signals.get(),
+    return std::make_shared<SignalStream>(stream, width, unit, channels, impl_->file.get(),
                                           impl_->path, rows);
   });
   return std::make_unique<RecordSink>(added, PortKind::signal);
@@ -226,43 +251,54 @@ std::function<void(TimeNs, double)> Recorder::value_writer(const std::string& st
   impl_->check_name(stream, 1);
   const auto added = std::make_shared<std::shared_ptr<SignalStream>>();
   impl_->add([&]() -> std::shared_ptr<Stream> {
-    *added = std::make_shared<SignalStream>(stream, 1, unit, std::vector<std::string>{},
-                                            impl_->signals.get(), impl_->path,
-                                            impl_->options.least_rows);
+    *added =
+        std::make_shared<SignalStream>(stream, 1, unit, std::vector<std::string>{},
+                                       impl_->file.get(), impl_->path, impl_->options.least_rows);
     return *added;
   });
   return [signal = *added](TimeNs time, double value) { signal->take(time, value); };
 }
 
-void Recorder::Impl::wait() noexcept {
-  timespec until{};
-  clock_gettime(CLOCK_MONOTONIC, &until);
-  until.tv_nsec += kCollectEveryNs;
-  if (until.tv_nsec >= kNsPerSecond) {
-    until.tv_nsec -= kNsPerSecond;
-    ++until.tv_sec;
+/// Rows that wait for the writer. A loop in real time needs those of a tenth of a second.
+std::size_t Recorder::Impl::rows_of(const std::string& stream, std::uint32_t width) const {
+  const std::size_t row = (width + std::size_t{1}) * sizeof(double);
+  const TimeNs ticks = tick > 0 ? (kLeastBuffered + tick - 1) / tick : 0;
+  const std::size_t least =
+      options.patient ? kLeastRows : std::max(kLeastRows, static_cast<std::size_t>(ticks));
+  const std::size_t usual =
+      std::max(options.least_rows, options.value_capacity / (width + std::size_t{1}));
+  const std::size_t rows = std::min(usual, std::max(least, kWideBufferBytes / row));
+  if (rows > kMostBufferBytes / row) {
+    throw ConfigurationError(with_code(
+        Code::out_of_bounds,
+        "recording '{}' of '{}' needs a buffer of {:.3g} GB for {} rows of {} channels, {:.3g} "
+        "rows "
+        "per second; at most {} GB: write  record: false  for this node, fewer channels, a longer "
+        "tick, or  sync: lockstep",
+        stream, path, static_cast<double>(rows) * static_cast<double>(row) / 1e9, rows, width,
+        1e9 / static_cast<double>(tick), kMostBufferBytes >> 30));
   }
-  sem_clockwait(&wake, CLOCK_MONOTONIC, &until);
+  return rows;
 }
 
-void Recorder::Impl::run() {
-  const auto period = std::chrono::nanoseconds(options.flush_every);
-  auto next_flush = Clock::now() + period;
-  while (!stop.load()) {
-    wait();
-    const auto all = snapshot();
-    collect(all);
-    std::size_t bytes = 0;
-    for (const auto& stream : all) {
-      bytes += stream->batch_bytes();
-    }
-    if (Clock::now() >= next_flush || bytes > kBatchBytes) {
-      flush(all);
-      next_flush = Clock::now() + period;
-    }
+bool Recorder::Impl::serve(std::size_t files) {
+  if (stop.load()) {
+    finish();
+    ended.store(true);
+    ended.notify_all();
+    return false;
   }
-  finish();
-  ended.store(true);
+  const auto all = snapshot();
+  collect(all);
+  std::size_t bytes = 0;
+  for (const auto& stream : all) {
+    bytes += stream->batch_bytes();
+  }
+  if (Clock::now() >= next_flush || bytes > std::min(kMostBatchBytes, kAllBatchBytes / files)) {
+    flush(all);
+    next_flush = Clock::now() + std::chrono::nanoseconds(options.flush_every);
+  }
+  return true;
 }
 
 void Recorder::Impl::collect(const std::vector<std::shared_ptr<Stream>>& all) {
@@ -282,7 +318,7 @@ void Recorder::Impl::flush(const std::vector<std::shared_ptr<Stream>>& all) {
     try {
       write_safely(growth, [&] {
         for (const auto& stream : all) {
-          stream->write();
+          stream->write(file.get());
         }
       });
     } catch (const FileError&) {  // kept in `failure` for the report
@@ -297,13 +333,16 @@ void Recorder::Impl::flush(const std::vector<std::shared_ptr<Stream>>& all) {
 /// holds what it can neither write nor forget. @throws FileError, kept in `failure`.
 void Recorder::Impl::write_safely(hsize_t growth, const std::function<void()>& action) {
   try {
-    hdf5::reserve(file, growth, path);
+    hdf5::reserve(file, growth, path);  // refuses a deleted file, too
     broken = true;
     action();
     hdf5::check(H5Fflush(file.get(), H5F_SCOPE_GLOBAL), "write", path);
     broken = false;
   } catch (const FileError& error) {
     failure = failure.empty() ? error.what() : failure;
+    if (options.failures != nullptr) {
+      options.failures->add(path, failure);
+    }
     throw;
   }
 }
@@ -322,23 +361,18 @@ void Recorder::Impl::finish() {
     } catch (const FileError&) {  // kept in `failure` for the report
     }
   }
-  broken ? abandon_file(all) : close_file(all);
+  broken ? abandon_file(all) : close_file();
 }
 
 /// Overwrites what stands in the file already: it needs no room on the disk.
 void Recorder::Impl::write_end(const std::vector<std::shared_ptr<Stream>>& all) {
   for (const auto& stream : all) {
-    stream->write_dropped();
+    stream->write_dropped(file.get());
   }
   hdf5::Attributes(file.get(), path).write("complete", std::uint32_t{failure.empty()});
 }
 
-void Recorder::Impl::close_file(const std::vector<std::shared_ptr<Stream>>& all) {
-  for (const auto& stream : all) {
-    stream->close();
-  }
-  signals.close();
-  spikes.close();
+void Recorder::Impl::close_file() {
   if (!file.close() && failure.empty()) {
     failure = fmt::format("cannot close '{}': {}", path, hdf5::reason());
   }
@@ -348,8 +382,6 @@ void Recorder::Impl::abandon_file(const std::vector<std::shared_ptr<Stream>>& al
   for (const auto& stream : all) {
     stream->abandon();
   }
-  signals.abandon();
-  spikes.abandon();
   file.abandon();
 }
 
@@ -386,11 +418,9 @@ Report Recorder::Impl::report() {
 
 Report Recorder::close() {
   const std::lock_guard lock(impl_->close_mutex);
-  if (impl_->writer.joinable()) {
-    impl_->stop.store(true);
-    sem_post(&impl_->wake);
-    impl_->writer.join();
-  }
+  impl_->stop.store(true);
+  impl_->wake->post();
+  impl_->ended.wait(false);
   return impl_->report();
 }
 
@@ -398,7 +428,7 @@ bool Recorder::flush_and_close_from_signal(TimeNs patience) noexcept {
   const int error_before = errno;
   constexpr TimeNs kLook = 1'000'000;
   impl_->stop.store(true);
-  sem_post(&impl_->wake);
+  impl_->wake->post();
   for (TimeNs waited = 0; !impl_->ended.load() && waited < patience; waited += kLook) {
     const timespec look{0, kLook};
     ::nanosleep(&look, nullptr);

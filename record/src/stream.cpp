@@ -15,28 +15,38 @@ constexpr std::size_t kMostNames = 1000;  // an attribute has room for 64 KiB
 
 }  // namespace
 
-void Stream::make_group(hid_t parent, const std::string& path) {
+std::string Stream::path_in_file() const {
+  return (is_spikes() ? "spikes/" : "signals/") + name_;
+}
+
+void Stream::make_group(hid_t file, const std::string& path) {
   path_ = path;
-  group_ = hdf5::Handle(hdf5::check(
-      H5Gcreate2(parent, name_.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "write", path));
+  group_ = hdf5::Handle(
+      hdf5::check(H5Gcreate2(file, path_in_file().c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                  "write", path));
   const hdf5::Attributes attributes(group_.get(), path);
   attributes.write("width", width_);
   attributes.write("until_ns", TimeNs{0});
   attributes.write("dropped", std::uint64_t{0});
 }
 
+void Stream::open_group(hid_t file) {
+  group_ = hdf5::Handle(
+      hdf5::check(H5Gopen2(file, path_in_file().c_str(), H5P_DEFAULT), "write", path_));
+}
+
 void Stream::wake_when_half_full(std::size_t room, std::size_t capacity) {
-  if (room < capacity / 2 && wake && !wake_asked_.exchange(true)) {
-    wake();
+  if (room < capacity / 2 && wake_ && !wake_asked_.exchange(true)) {
+    wake_->post();
   }
 }
 
 bool Stream::waited() {
-  if (!patient_ || shut_now() || !wake) {
+  if (!patient_ || shut_now() || !wake_) {
     return false;
   }
   constexpr std::chrono::microseconds kShort{200};
-  wake();
+  wake_->post();
   std::this_thread::sleep_for(kShort);
   return !shut_now();
 }
@@ -60,14 +70,27 @@ hsize_t Stream::growth() {
   return bytes;
 }
 
-void Stream::write() {
-  append();
-  hdf5::Attributes(group_.get(), path_).write("until_ns", batch_until_);
-  write_dropped();
+void Stream::write(hid_t file) {
+  open_group(file);
+  if (batch_items() > 0) {
+    for (auto* dataset : datasets()) {
+      dataset->open(group());
+    }
+    append();
+    for (auto* dataset : datasets()) {
+      dataset->close();
+    }
+  }
+  const hdf5::Attributes attributes(group(), path_);
+  attributes.write("until_ns", batch_until_);
+  attributes.write("dropped", dropped());
+  group_.close();
 }
 
-void Stream::write_dropped() {
-  hdf5::Attributes(group_.get(), path_).write("dropped", dropped());
+void Stream::write_dropped(hid_t file) {
+  open_group(file);
+  hdf5::Attributes(group(), path_).write("dropped", dropped());
+  group_.close();
 }
 
 void Stream::keep_batch() {
@@ -96,10 +119,10 @@ void Stream::abandon() {
 }
 
 SpikeStream::SpikeStream(std::string name, std::uint32_t width,
-                         const std::vector<Population>& populations, hid_t parent,
+                         const std::vector<Population>& populations, hid_t file,
                          const std::string& path, std::size_t capacity)
     : Stream(std::move(name), width), ring_(capacity) {
-  make_group(parent, path);
+  make_group(file, path);
   const bool compressed = width <= kMostCompressed;
   timestamps_ = hdf5::GrowingDataset(group(), "timestamps", H5T_IEEE_F64LE, 0, compressed, path);
   node_ids_ = hdf5::GrowingDataset(group(), "node_ids", H5T_STD_U64LE, 0, compressed, path);
@@ -108,7 +131,7 @@ SpikeStream::SpikeStream(std::string name, std::uint32_t width,
   hdf5::Attributes(timestamps_.get(), path).write("units", std::string("ms"));
   hdf5::Attributes(timestamps_ns_.get(), path).write("units", std::string("ns"));
   write_populations(populations);
-  write_sorting(false);
+  write_sorting(true);
 }
 
 void SpikeStream::take(const Step& step) {
@@ -178,10 +201,10 @@ void SpikeStream::write_sorting(bool sorted) const {
 }
 
 SignalStream::SignalStream(std::string name, std::uint32_t width, const std::string& unit,
-                           const std::vector<std::string>& channels, hid_t parent,
+                           const std::vector<std::string>& channels, hid_t file,
                            const std::string& path, std::size_t rows)
-    : Stream(std::move(name), width), ring_(rows * (width + 1)) {
-  make_group(parent, path);
+    : Stream(std::move(name), width), ring_(rows * (width + std::size_t{1})) {
+  make_group(file, path);
   if (!channels.empty() && channels.size() <= kMostNames) {
     hdf5::Attributes(group(), path).write("channels", channels);
   }

@@ -3,8 +3,8 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +13,7 @@
 #include "ring.hpp"
 #include "spikeloop/core/node.hpp"
 #include "spikeloop/core/time.hpp"
+#include "writer.hpp"
 
 namespace spikeloop::record {
 
@@ -27,6 +28,8 @@ class Stream {
   const std::string& name() const { return name_; }
   std::uint32_t width() const { return width_; }
   hid_t group() const { return group_.get(); }
+  /// Moves waiting loops and the writer to action; null for a stream without a writer.
+  void wake_by(std::shared_ptr<Wake> wake) { wake_ = std::move(wake); }
 
   /// Loop's thread: appends what the step brought. Waits only when it is patient.
   virtual void take(const Step& step) = 0;
@@ -39,28 +42,29 @@ class Stream {
   virtual std::size_t batch_items() const = 0;
   /// Writer's thread, HDF5 locked: bytes by which the batch may make the file grow.
   hsize_t growth();
-  /// Writer's thread, HDF5 locked: appends the batch to the file. @throws FileError.
-  void write();
-  /// Writer's thread, HDF5 locked: the count beside the data. @throws FileError.
-  void write_dropped();
+  /// Writer's thread, HDF5 locked: appends the batch to the file. The stream's group and datasets
+  /// are open only meanwhile: HDF5 visits every open dataset of the process whenever it flushes a
+  /// file, and each has a cache. @throws FileError; then abandon() must follow.
+  void write(hid_t file);
+  /// Writer's thread, HDF5 locked: the count beside the data. @throws FileError, as write().
+  void write_dropped(hid_t file);
   /// Writer's thread: the batch is on the disk, or it never will be.
   void keep_batch();
   void lose_batch();
   /// Any thread: from now on take() only counts.
   void shut() { shut_.store(true); }
-  /// HDF5 locked: closes what the stream has open in the file, or leaves it open for good.
-  void close();
+  /// HDF5 locked: leaves open what a failed write has open in the file.
   void abandon();
 
   std::uint64_t written() const { return written_; }
   TimeNs written_until() const { return written_until_; }
   virtual bool is_spikes() const = 0;
 
-  /// Set by the recorder: wakes the writer when the ring is half full.
-  std::function<void()> wake;
+  /// HDF5 locked, after construction. @throws FileError.
+  void close();
 
  protected:
-  void make_group(hid_t parent, const std::string& path);
+  void make_group(hid_t file, const std::string& path);
   void wake_when_half_full(std::size_t room, std::size_t capacity);
   virtual void drain() = 0;
   virtual void append() = 0;
@@ -75,10 +79,15 @@ class Stream {
   void reached(TimeNs end) { reached_.store(end, std::memory_order_release); }
 
  private:
+  /// "spikes/out"
+  std::string path_in_file() const;
+  void open_group(hid_t file);
+
   std::string name_;
   std::uint32_t width_;
   std::string path_;
   hdf5::Handle group_;
+  std::shared_ptr<Wake> wake_;  // wakes the writer when the ring is half full
   std::atomic<bool> shut_{false};
   std::atomic<bool> wake_asked_{false};
   bool patient_ = false;
@@ -94,7 +103,7 @@ class Stream {
 class SpikeStream : public Stream {
  public:
   SpikeStream(std::string name, std::uint32_t width, const std::vector<Population>& populations,
-              hid_t parent, const std::string& path, std::size_t capacity);
+              hid_t file, const std::string& path, std::size_t capacity);
   void take(const Step& step) override;
   std::size_t batch_items() const override { return batch_.size(); }
   bool is_spikes() const override { return true; }
@@ -121,7 +130,7 @@ class SpikeStream : public Stream {
 class SignalStream : public Stream {
  public:
   SignalStream(std::string name, std::uint32_t width, const std::string& unit,
-               const std::vector<std::string>& channels, hid_t parent, const std::string& path,
+               const std::vector<std::string>& channels, hid_t file, const std::string& path,
                std::size_t rows);
   void take(const Step& step) override;
   /// A row of a signal of one channel.

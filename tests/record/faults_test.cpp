@@ -2,7 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
 #include <functional>
+#include <thread>
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/time.hpp"
@@ -118,6 +121,63 @@ TEST_F(RecorderFaults, CloseFromAnotherThreadSaysWhenItIsDone) {
   EXPECT_TRUE(recorder.flush_and_close_from_signal(0));
   EXPECT_EQ(recorder.close().spikes_written, 1u);
   EXPECT_EQ(record::read_spikes(file(), "out").spikes.size(), 1u);
+}
+
+TEST_F(RecorderFaults, DeletedFileIsReportedAtOnce) {
+  WriteFailures failures;
+  record::RecorderOptions options;
+  options.flush_every = 1'000'000;
+  options.failures = &failures;
+  Recorder recorder(file(), "x", {}, options);
+  const auto sink = recorder.spike_sink("out", 1);
+  failures.check(OnWriteFailure::stop);
+  std::filesystem::remove(file());
+  for (TimeNs k = 0; !failures.any(); ++k) {  // ctest ends a test that waits
+    test::send_spikes(*sink, test::tick(k), {test::nth_spike(k)});
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_EQ(message<FileError>([&] { failures.check(OnWriteFailure::stop); }),
+            "cannot write '" + file() +
+                "': it has been deleted during the run; incomplete: x.h5 [SL0109]");
+  EXPECT_THAT(recorder.close().error, Fault("cannot write '" + file() + "': ... [SL0109]"));
+}
+
+/// A thread per file would keep 2000 nodes from starting.
+TEST_F(RecorderFaults, ManyFilesShareAThread) {
+  const auto threads = [] {
+    const std::filesystem::directory_iterator tasks("/proc/self/task");
+    return std::distance(begin(tasks), end(tasks));
+  };
+  const auto before = threads();
+  std::vector<std::unique_ptr<Recorder>> recorders;
+  std::vector<std::unique_ptr<Sink>> sinks;
+  for (int i = 0; i < 100; ++i) {
+    recorders.push_back(
+        std::make_unique<Recorder>(file(std::to_string(i)), "x", record::RunAttributes{}));
+    sinks.push_back(recorders.back()->spike_sink("out", 1));
+    test::send_spikes(*sinks.back(), test::tick(0), {make_spike(i + 1, 0)});
+  }
+  EXPECT_EQ(threads(), before + 1);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(recorders[i]->close().spikes_written, 1u);
+    EXPECT_EQ(record::read_spikes(file(std::to_string(i)), "out").spikes.front().time_ns, i + 1);
+  }
+  recorders.clear();
+  EXPECT_EQ(threads(), before);
+}
+
+TEST_F(RecorderFaults, SignalTooWideForItsRateIsRefused) {
+  constexpr std::uint32_t kWidth = 1'000'000;
+  constexpr TimeNs kTick = 1000;
+  Recorder hurried(file(), "x", {1, kTick});
+  EXPECT_THAT(message<ConfigurationError>([&] { hurried.signal_sink("out", kWidth, ""); }),
+              Fault("recording 'out' of '" + file() +
+                    "' ... 32.8 GB for 4096 rows of 1000000 channels, 1e+06 rows per second ... "
+                    "record: false ... [SL0203]"));
+  record::RecorderOptions options;
+  options.patient = true;  // a loop that waits for the writer needs few rows
+  Recorder patient(file("y.h5"), "y", {1, kTick}, options);
+  EXPECT_NE(patient.signal_sink("out", kWidth, ""), nullptr);
 }
 
 TEST_F(RecorderFaults, UnwritablePathIsNamed) {

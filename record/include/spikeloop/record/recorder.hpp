@@ -21,6 +21,7 @@
 
 #include "spikeloop/core/graph.hpp"
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/core/write_failures.hpp"
 
 namespace spikeloop::record {
 
@@ -36,13 +37,16 @@ struct RunAttributes {
 struct RecorderOptions {
   /// Spikes that wait for the writer, per stream.
   std::size_t spike_capacity = std::size_t{1} << 18;
-  /// Values (rows x (width + 1)) that wait for the writer, per stream; at least 4096 rows.
+  /// Values (rows x (width + 1)) that wait for the writer, per stream; at least `least_rows`, but
+  /// fewer for streams so wide that they would need more than 64 MB.
   std::size_t value_capacity = std::size_t{1} << 17;
   std::size_t least_rows = 4096;
   /// The loop waits for the writer in place of dropping: for runs that no clock hurries.
   bool patient = false;
   /// What a killed process loses at most; wall time.
   TimeNs flush_every = kNsPerSecond;
+  /// Receives the first failed write. nullptr: only the report of close() has it.
+  WriteFailures* failures = nullptr;
 };
 
 /// What became of everything that was sent.
@@ -54,9 +58,11 @@ struct Report {
   std::string error;                  ///< one sentence; empty when the file could be written
 };
 
-/// One file and its writer thread. Sinks only append to a bounded buffer that is free of locks: a
-/// full buffer or a full disk never holds up the loop, unless it is patient; what is lost is
-/// counted.
+class Writer;
+
+/// One file. A single thread writes all files of the process. Sinks only append to a bounded buffer
+/// that is free of locks: a full buffer or a full disk never holds up the loop, unless it is
+/// patient; what is lost is counted.
 class Recorder {
  public:
   /// Makes the file, replacing one of the same name.
@@ -78,8 +84,8 @@ class Recorder {
   /// that turns invalid is written as a row of NaN. `channels` names the channels, when they have
   /// names
   /// ("linear.x"). Counter: signals_dropped (rows).
-  /// @throws ConfigurationError as spike_sink(), and when `channels` is neither empty nor as long
-  /// as `width`.
+  /// @throws ConfigurationError as spike_sink(), when `channels` is neither empty nor as long as
+  /// `width`, and when the rows of a tenth of a second need too much memory.
   std::unique_ptr<Sink> signal_sink(const std::string& stream, std::uint32_t width,
                                     const std::string& unit,
                                     const std::vector<std::string>& channels = {});
@@ -105,7 +111,8 @@ class Recorder {
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Writer> writer_;
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace spikeloop::record
