@@ -94,6 +94,32 @@ TEST_F(BagFaults, DiskThatIsFull) {
   EXPECT_THAT(error, StartsWith("cannot write '/dev/full': "));
 }
 
+TEST_F(BagFaults, DeletedFileIsReported) {
+  WriteFailures failures;
+  bag::Recorder recorder(path(), {.failures = &failures});
+  const auto channel = recorder.add({"/x", "std_msgs/Float64", "a"});
+  std::filesystem::remove(path());
+  recorder.take(channel, 1, std::vector<std::byte>(8));
+  EXPECT_THAT(recorder.close().error, Fault("cannot write '" + path() + "': ... [SL0109]"));
+  EXPECT_EQ(failures.files(), std::vector{path()});
+}
+
+/// Their index is longer than what the writer keeps in memory.
+TEST_F(BagFaults, ManyChunks) {
+  constexpr TimeNs kMessages = 1500;
+  {
+    bag::Recorder recorder(path(), {.patient = true});
+    const auto channel = recorder.add({"/x", "std_msgs/UInt8MultiArray", "a"});
+    const std::vector<std::byte> zeros(std::size_t{1} << 20);  // a chunk each
+    for (TimeNs i = 0; i < kMessages; ++i) {
+      recorder.take(channel, i, zeros);
+    }
+    EXPECT_EQ(recorder.close().error, "");
+  }
+  EXPECT_EQ(reading(), std::to_string(kMessages));
+  EXPECT_FALSE(std::filesystem::exists(path("x.mcap.index")));
+}
+
 TEST_F(BagFaults, FileThatIsNotThere) {
   EXPECT_THAT(reading(), Fault("cannot open '" + path() + "': ... [SL0109]"));
 }

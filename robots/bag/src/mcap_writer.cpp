@@ -8,11 +8,13 @@
 #include "mcap_format.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
+#include "spikeloop/core/write_failures.hpp"
 
 namespace spikeloop::bag::mcap {
 namespace {
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+constexpr std::size_t kIndexBytes = std::size_t{1} << 16;
 constexpr const char* kCompression = "zstd";
 constexpr int kLevel = 1;  // the fastest: the loop may wait
 
@@ -47,6 +49,7 @@ Writer::Writer(const std::string& path, std::string_view profile)
 Writer::~Writer() = default;
 
 void Writer::write(std::string_view bytes) {
+  require_not_deleted(::fileno(file_.get()), path_);
   errno = 0;
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() ||
       std::fflush(file_.get()) != 0) {
@@ -130,31 +133,81 @@ void Writer::flush() {
     return;
   }
   const std::string packed = compressed(chunk_);
-  Chunk chunk{first_, last_, offset_, 0, {}, 0, packed.size(), chunk_.size()};
+  const std::uint64_t size = chunk_.size();
   std::string records;
   append(records, Op::chunk,
          Content()
              .number(first_)
              .number(last_)
-             .number(chunk.size)
+             .number(size)
              .number(checksum(chunk_))
              .text(kCompression)
              .text<std::uint64_t>(packed)
              .bytes());
-  chunk.length = records.size();
+  const std::uint64_t length = records.size();
+  std::map<std::uint16_t, std::uint64_t> indexes;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     auto& entries = channels_[i].in_chunk;
     if (!entries.empty()) {
       const auto id = static_cast<std::uint16_t>(i);
-      chunk.indexes[id] = offset_ + records.size();
+      indexes[id] = offset_ + records.size();
       append(records, Op::message_index, Content().number(id).text(pairs_of(entries)).bytes());
       entries.clear();
     }
   }
-  chunk.index_length = records.size() - chunk.length;
+  append(index_, Op::chunk_index,
+         Content()
+             .number(first_)
+             .number(last_)
+             .number(offset_)
+             .number(length)
+             .text(pairs_of(indexes))
+             .number(records.size() - length)
+             .text(kCompression)
+             .number(static_cast<std::uint64_t>(packed.size()))
+             .number(size)
+             .bytes());
   write(records);
-  chunks_.push_back(std::move(chunk));
+  begin_ = chunks_ == 0 ? first_ : std::min(begin_, first_);
+  end_ = std::max(end_, last_);
+  ++chunks_;
   chunk_.clear();
+  if (index_.size() >= kIndexBytes) {
+    spill_index();
+  }
+}
+
+void Writer::spill_index() {
+  errno = 0;
+  if (!index_file_) {
+    const std::string path = path_ + ".index";
+    std::remove(path.c_str());
+    index_file_.reset(std::fopen(path.c_str(), "w+bx"));
+    if (!index_file_) {
+      throw FileError("create", path, errno);
+    }
+    std::remove(path.c_str());
+  }
+  if (std::fwrite(index_.data(), 1, index_.size(), index_file_.get()) != index_.size() ||
+      std::fflush(index_file_.get()) != 0) {
+    throw FileError("write", path_ + ".index", errno);
+  }
+  index_.clear();
+}
+
+std::string Writer::chunk_index() {
+  if (!index_file_) {
+    return index_;
+  }
+  spill_index();
+  const long size = std::ftell(index_file_.get());
+  std::rewind(index_file_.get());
+  std::string records(static_cast<std::size_t>(std::max(size, 0L)), '\0');
+  errno = 0;
+  if (std::fread(records.data(), 1, records.size(), index_file_.get()) != records.size()) {
+    throw FileError("read", path_ + ".index", errno);
+  }
+  return records;
 }
 
 void Writer::attach(std::string_view name, std::string_view media_type, std::string_view contents) {
@@ -186,70 +239,51 @@ std::string Writer::statistics() const {
       messages += channels_[i].messages;
     }
   }
-  std::uint64_t first = chunks_.empty() ? 0 : chunks_.front().first;
-  std::uint64_t last = 0;
-  for (const Chunk& chunk : chunks_) {
-    first = std::min(first, chunk.first);
-    last = std::max(last, chunk.last);
-  }
   return Content()
       .number(messages)
       .number(static_cast<std::uint16_t>(schemas_.size()))
       .number(static_cast<std::uint32_t>(counts.size()))
       .number(static_cast<std::uint32_t>(attachment_indexes_.size()))
       .number(std::uint32_t{0})  // metadata records
-      .number(static_cast<std::uint32_t>(chunks_.size()))
-      .number(first)
-      .number(last)
+      .number(chunks_)
+      .number(begin_)
+      .number(end_)
       .text(pairs_of(counts))
       .bytes();
 }
 
-std::vector<std::string> Writer::summary(Op op) const {
-  std::vector<std::string> records;
+std::string Writer::summary(Op op) {
+  std::string records;
   if (op == Op::schema) {
-    for (const std::string& schema : schemas_) {
-      const auto id = static_cast<std::uint16_t>(records.size() + 1);
-      records.push_back(Content().number(id).raw(schema).bytes());
+    for (std::uint16_t id = 1; const std::string& schema : schemas_) {
+      append(records, op, Content().number(id++).raw(schema).bytes());
     }
   } else if (op == Op::channel) {
     for (std::size_t i = 0; i < channels_.size(); ++i) {
       if (channels_[i].schema != 0) {
-        records.push_back(channel_record(static_cast<std::uint16_t>(i)));
+        append(records, op, channel_record(static_cast<std::uint16_t>(i)));
       }
     }
   } else if (op == Op::statistics) {
-    records.push_back(statistics());
+    append(records, op, statistics());
   } else if (op == Op::chunk_index) {
-    for (const Chunk& chunk : chunks_) {
-      records.push_back(Content()
-                            .number(chunk.first)
-                            .number(chunk.last)
-                            .number(chunk.offset)
-                            .number(chunk.length)
-                            .text(pairs_of(chunk.indexes))
-                            .number(chunk.index_length)
-                            .text(kCompression)
-                            .number(chunk.compressed)
-                            .number(chunk.size)
-                            .bytes());
-    }
+    records = chunk_index();
   } else if (op == Op::attachment_index) {
-    records = attachment_indexes_;
+    for (const std::string& record : attachment_indexes_) {
+      append(records, op, record);
+    }
   }
   return records;
 }
 
 /// The summary in groups of one opcode, where these begin, and the footer.
-std::string Writer::end() const {
+std::string Writer::end() {
   std::string records;
   std::string groups;
   for (const Op op :
        {Op::schema, Op::channel, Op::statistics, Op::chunk_index, Op::attachment_index}) {
     const std::uint64_t begin = records.size();
-    for (const std::string& record : summary(op)) {
-      append(records, op, record);
-    }
+    records += summary(op);
     if (records.size() != begin) {
       append(groups, Op::summary_offset,
              Content().number(op).number(offset_ + begin).number(records.size() - begin).bytes());

@@ -53,22 +53,21 @@ class Writer {
     std::uint32_t messages = 0;
     std::vector<std::pair<std::uint64_t, std::uint64_t>> in_chunk;  // time and offset
   };
-  struct Chunk {
-    std::uint64_t first, last;  // times
-    std::uint64_t offset, length;
-    std::map<std::uint16_t, std::uint64_t> indexes;
-    std::uint64_t index_length, compressed, size;
-  };
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
 
   void write(std::string_view bytes);
+  /// Writes what waits of the chunk index to a file without a name: a run of days has too many
+  /// chunks to keep their index in memory.
+  void spill_index();
+  std::string chunk_index();
   void begin(std::uint16_t channel);
   std::string channel_record(std::uint16_t channel) const;
   std::string statistics() const;
-  std::vector<std::string> summary(Op op) const;
-  std::string end() const;
+  /// Records of one kind, with their opcodes.
+  std::string summary(Op op);
+  std::string end();
 
   std::string path_;
   std::unique_ptr<std::FILE, Close> file_;
@@ -79,7 +78,11 @@ class Writer {
   std::chrono::steady_clock::time_point chunk_begun_;
   std::uint64_t first_ = 0;
   std::uint64_t last_ = 0;
-  std::vector<Chunk> chunks_;
+  std::uint32_t chunks_ = 0;
+  std::uint64_t begin_ = 0;  // times of all messages
+  std::uint64_t end_ = 0;
+  std::string index_;  // chunk index records that are not in index_file_ yet
+  std::unique_ptr<std::FILE, Close> index_file_;
   std::vector<std::string> attachment_indexes_;
 };
 

@@ -156,6 +156,9 @@ void Recorder::Impl::attempt(Work&& work) {
   } catch (const Error& error) {
     const std::lock_guard lock(mutex);
     failure = error.what();
+    if (options.failures != nullptr) {
+      options.failures->add(path, failure);
+    }
     emptied.notify_all();
   }
 }

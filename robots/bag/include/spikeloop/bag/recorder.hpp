@@ -12,6 +12,7 @@
 #include <string>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/core/write_failures.hpp"
 #include "spikeloop/messages/dialect.hpp"
 #include "spikeloop/messages/schema.hpp"
 
@@ -39,6 +40,8 @@ struct RecorderOptions {
   std::size_t capacity_bytes = std::size_t{32} << 20;
   /// The loop waits for the writer in place of dropping: for runs that no clock hurries.
   bool patient = false;
+  /// Receives the first failed write. nullptr: only the report of close() has it.
+  WriteFailures* failures = nullptr;
 };
 
 /// What became of everything that was taken.
