@@ -121,7 +121,7 @@ int run_experiment(const experiment::Experiment& experiment, music::Process& pro
   }
   const bool first = first_at_robot(experiment) == process.label();
   RosTransport transport(experiment, process.label(), keys.text("ros_arguments"),
-                         first ? options.folder : "",
+                         first ? options.folder : "", *options.failures,
                          {stop, enter, from_seconds(keys.number("stall_timeout"))});
   if (experiment.sync == Sync::sim_time || experiment.sync == Sync::lockstep) {
     process.say_begun();  // it waits for the robot as long as that takes

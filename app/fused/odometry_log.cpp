@@ -36,8 +36,9 @@ double yaw(const std::vector<double>& v) {
 
 }  // namespace
 
-OdometryLog::OdometryLog(topics::Session& session, std::string folder)
+OdometryLog::OdometryLog(topics::Session& session, std::string folder, WriteFailures& failures)
     : folder_(std::move(folder)),
+      failures_(failures),
       contacts_(session),
       fields_(readers(session.dialect())),
       subscriber_(session.subscriber({.topic = kOdometryTopic,
@@ -88,7 +89,7 @@ void OdometryLog::write(const vehicle::Odometry& now) {
     distance_m_ += std::hypot(now.pose.x_m - last_.pose.x_m, now.pose.y_m - last_.pose.y_m);
   } else {
     first_ = now;
-    file_.emplace(folder_);
+    file_.emplace(folder_, &failures_);
   }
   last_ = now;
   visited_.emplace(std::lround(now.pose.x_m / kSquare_m), std::lround(now.pose.y_m / kSquare_m));

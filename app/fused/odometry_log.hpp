@@ -21,7 +21,8 @@ namespace spikeloop {
 /// file. Collisions are those of ContactCounter; nan: not known.
 class OdometryLog {
  public:
-  OdometryLog(topics::Session& session, std::string folder);
+  /// @param failures of the file
+  OdometryLog(topics::Session& session, std::string folder, WriteFailures& failures);
 
   /// A row, every 20 ms at most, when a message has come since the last one. @throws FileError.
   void tick(TimeNs time);
@@ -36,6 +37,7 @@ class OdometryLog {
   void write(const vehicle::Odometry& now);
 
   std::string folder_;
+  WriteFailures& failures_;
   ContactCounter contacts_;
   std::vector<messages::FieldReader> fields_;
   std::optional<robot::TrajectoryFile> file_;

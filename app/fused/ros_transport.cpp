@@ -24,7 +24,7 @@ std::string node_name(const experiment::Experiment& experiment, const std::strin
 
 RosTransport::RosTransport(const experiment::Experiment& experiment, const std::string& process,
                            const std::string& ros_arguments, const std::string& folder,
-                           const LoopSurroundings& surroundings)
+                           WriteFailures& failures, const LoopSurroundings& surroundings)
     : experiment_(experiment),
       session_(session::open({{.node_name = node_name(experiment, process),
                                .unique_name = true,
@@ -35,7 +35,7 @@ RosTransport::RosTransport(const experiment::Experiment& experiment, const std::
   if (experiment.sync == Sync::lockstep) {
     robot_.emplace(*session_, experiment.tick, waiting_);
   } else if (!experiment.robot && !folder.empty()) {
-    odometry_.emplace(*session_, folder);  // ours writes its path itself
+    odometry_.emplace(*session_, folder, failures);  // ours writes its path itself
   }
 }
 

@@ -21,9 +21,10 @@ class RosTransport : public fused::Transport {
   /// @param process whose node this is
   /// @param ros_arguments as read_ros_arguments() takes them
   /// @param folder where the path of a robot that is not ours is written; empty: nowhere
+  /// @param failures of the files in `folder`
   /// @throws TransportError without a ROS master.
   RosTransport(const experiment::Experiment& experiment, const std::string& process,
-               const std::string& ros_arguments, const std::string& folder,
+               const std::string& ros_arguments, const std::string& folder, WriteFailures& failures,
                const LoopSurroundings& surroundings);
 
   topics::Session& session(const experiment::Node& /*node*/) override { return *session_; }

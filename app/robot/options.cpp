@@ -132,6 +132,13 @@ void declare(CLI::App& app, RunOptions& options, ModelWords& model) {
                "Advance only when an experiment steps the robot (sync: lockstep)")
       ->excludes(duration);
   app.add_option("--out", options.out, "Folder for trajectory.csv and world.json");
+  app.add_option_function<std::string>(
+         "--on-write-failure",
+         [&options](const std::string& choice) {
+           options.on_write_failure = on_write_failure_of(choice);
+         },
+         "If such a file cannot be written: stop (default) or continue")
+      ->check(CLI::IsMember(on_write_failure_choices()));
   app.add_option("--topic-prefix", options.topic_prefix,
                  "Prefix of topics without leading '/'; default: the node's namespace");
   app.add_option("--scan-topic", options.scan_topic, "Output topic, sensor_msgs/LaserScan")

@@ -1,6 +1,7 @@
 // What the command line of spikeloop-robot says.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -28,9 +29,13 @@ struct RunOptions {
   std::string node_name = "spikeloop_robot";
   int ros = 1;  ///< its version
   double master_timeout_s = 10;
+  OnWriteFailure on_write_failure = OnWriteFailure::stop;
+  std::shared_ptr<WriteFailures> failures = std::make_shared<WriteFailures>();
 
   /// A topic's name: one that begins with '/' stands as it is, others follow the prefix.
   std::string topic(const std::string& name) const;
+  /// To be called every tick, as WriteFailures::check().
+  void check_files() const { failures->check(on_write_failure); }
   /// The same of one of the robot's sensors, "scan" and "odom" under their own names.
   std::string sensor_topic(const std::string& name) const;
   RobotOptions robot() const {
@@ -39,7 +44,8 @@ struct RunOptions {
             .model = model,
             .sensors = {.dialect = dialect, .camera = camera, .rate_hz = model_rate_hz},
             .spectators = spectators,
-            .folder = out};
+            .folder = out,
+            .failures = failures.get()};
   }
   std::string command_topic_of(const CommandTopic& robot) const {
     return topic(command_topic.empty() ? robot.name() : command_topic);

@@ -55,6 +55,7 @@ class Loop {
         robot_.act(*command);
       }
       robot_.advance(t + kTick);
+      options_.check_files();
       report_progress();
       if (!ros_.alive()) {
         finish();

@@ -19,7 +19,7 @@ using stepping::Request;
 class SteppedRun {
  public:
   SteppedRun(const RunOptions& options, topics::Session& session, const std::atomic<bool>& stop)
-      : node_name_(options.node_name),
+      : run_options_(options),
         options_(options.robot()),
         robot_(std::in_place, options_),
         link_(options, session, robot_->topics(), robot_->command_topic()),
@@ -32,7 +32,7 @@ class SteppedRun {
     if (!link_.alive()) {
       throw TransportError(
           fmt::format("ROS has shut this node down after {}; does another node have the name '{}'?",
-                      format_time(robot_->time()), node_name_));
+                      format_time(robot_->time()), run_options_.node_name));
     }
   }
 
@@ -86,6 +86,7 @@ class SteppedRun {
       robot_->command(*command);
     }
     robot_->advance(request.to);
+    run_options_.check_files();
     answer();
   }
 
@@ -98,7 +99,7 @@ class SteppedRun {
     link_.answer(now);
   }
 
-  std::string node_name_;
+  const RunOptions& run_options_;
   RobotOptions options_;
   std::optional<SteppedRobot> robot_;
   StepLink link_;

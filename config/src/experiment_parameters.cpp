@@ -1,6 +1,7 @@
 // The keys of experiment files, as data.
 #include "spikeloop/config/experiment_file.hpp"
 #include "spikeloop/config/weight_file.hpp"
+#include "spikeloop/core/write_failures.hpp"
 
 namespace spikeloop {
 
@@ -41,6 +42,14 @@ std::vector<ParameterDescription> experiment_parameters() {
        .minimum = 0.001,
        .maximum = 1000,
        .text = "Ratio of simulated time to wall time, with sync: realtime"},
+      {.name = kOnWriteFailureKey,
+       .type = ParameterType::choice,
+       .default_value = "stop",
+       .choices = on_write_failure_choices(),
+       .text =
+           "What follows if a file of the run cannot be written, because the disk is full or "
+           "the run folder was deleted. stop: the robot is stopped, and the run ends; continue: "
+           "a warning, and the run goes on without the file"},
       {.name = "ros",
        .type = ParameterType::choice,
        .default_value = "none",

@@ -28,6 +28,9 @@ void JobWriter::write_globals() {
   global("barrier", "false");
   global("rtf", fmt::format("{}", experiment_.real_time_factor));
   global("sync", experiment_.sync == Sync::realtime ? "realtime" : "unpaced");
+  if (experiment_.on_write_failure == OnWriteFailure::proceed) {
+    global(kOnWriteFailureKey, to_text(experiment_.on_write_failure));
+  }
 }
 
 void JobWriter::begin_section(const std::string& label, const Location& where) {

@@ -106,6 +106,7 @@ void take_keys(const ExperimentFile& file, const Parameters& keys, Experiment& e
   experiment.seed = static_cast<std::uint64_t>(keys.integer("seed"));
   experiment.sync = sync_named(keys.text("sync"));
   experiment.real_time_factor = keys.number("real_time_factor");
+  experiment.on_write_failure = on_write_failure_of(keys.text(kOnWriteFailureKey));
   experiment.ros = ros_named(keys.text("ros"));
   read_episodes(keys, experiment, faults);
 }

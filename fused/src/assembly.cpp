@@ -61,6 +61,15 @@ std::string element_of(const std::string& end) {
   return fmt::format("{} {}", experiment::node_of(end), experiment::port_of(end));
 }
 
+/// Spikes that wait for the writer, per output: at most 256 MB in all, unless there are more than
+/// 4000 outputs.
+std::size_t spike_capacity(std::size_t outputs) {
+  constexpr std::size_t kAll = std::size_t{1} << 24;
+  constexpr std::size_t kLeast = std::size_t{1} << 12;
+  constexpr std::size_t kUsual = std::size_t{1} << 18;
+  return std::clamp(kAll / std::max<std::size_t>(outputs, 1), kLeast, kUsual);
+}
+
 std::string sender_of(const std::string& command) {
   return command + std::string(kSender);
 }
@@ -90,7 +99,8 @@ Assembly::Assembly(const Experiment& experiment, const Surroundings& surrounding
       others_(surroundings.others),
       process_(surroundings.process),
       view_(surroundings.view),
-      folder_(options.record ? options.folder : "") {
+      folder_(options.record ? options.folder : ""),
+      failures_(*options.failures) {
   description_.tick = experiment.tick;
   description_.seed = experiment.seed;
   if (!folder_.empty()) {
@@ -234,7 +244,8 @@ void Assembly::open_bag() {
       meets_robot(experiment_, process_)) {
     messages_ = std::make_unique<bag::Recorder>(
         folder_ + "/" + kMessagesFile,
-        bag::RecorderOptions{.patient = experiment_.sync != experiment::Sync::realtime});
+        bag::RecorderOptions{.patient = experiment_.sync != experiment::Sync::realtime,
+                             .failures = &failures_});
     if (const std::string resolved = folder_ + "/resolved.json";
         std::filesystem::exists(resolved)) {
       constexpr std::uint64_t kLimit = std::uint64_t{1} << 30;
@@ -267,7 +278,9 @@ record::Recorder& Assembly::recorder_of(const Node& node) {
     recorder = std::make_unique<record::Recorder>(
         fmt::format("{}/{}.h5", folder_, node.name), node.name,
         record::RunAttributes{experiment_.seed, experiment_.tick},
-        record::RecorderOptions{.patient = experiment_.sync != experiment::Sync::realtime});
+        record::RecorderOptions{.spike_capacity = spike_capacity(experiment_.outputs.size()),
+                                .patient = experiment_.sync != experiment::Sync::realtime,
+                                .failures = &failures_});
   }
   return *recorder;
 }
@@ -290,9 +303,12 @@ void Assembly::record() {
       continue;  // its own process records what it puts out
     }
     const std::string end = fmt::format("{}.{}", output.node, output.port);
-    add_recording(end, name_of(output.node, output.port),
-                  recorder_of(experiment_.node(output.node))
-                      .output_sink(description_, end, {output.port, output.kind, output.width}));
+    const Node& node = experiment_.node(output.node);
+    located_at(node.where, [&] {
+      add_recording(end, name_of(output.node, output.port),
+                    recorder_of(node).output_sink(description_, end,
+                                                  {output.port, output.kind, output.width}));
+    });
   }
   for (const Node& node : experiment_.nodes) {
     if (node.role != Role::sink || !is_here(node.name) || !node.record) {
@@ -385,16 +401,19 @@ void Assembly::stop_robot(command::StopReason reason) {
 }
 
 nlohmann::json Assembly::close_recordings(std::string& error) {
+  const auto take = [&](const std::string& problem) {
+    if (!problem.empty() && !failures_.any()) {  // failed writes are reported together
+      log::warning("{}", problem);
+      error = problem;
+    }
+  };
   std::uint64_t spikes = 0;
   std::uint64_t dropped = 0;
   for (const auto& [name, recorder] : recorders_) {
     const record::Report report = recorder->close();
     spikes += report.spikes_written;
     dropped += report.spikes_dropped + report.signals_dropped;
-    if (!report.error.empty()) {
-      log::warning("{}", report.error);
-      error = report.error;
-    }
+    take(report.error);
   }
   recorders_.clear();
   nlohmann::json result{{"spikes_recorded", spikes}, {"records_dropped", dropped}};
@@ -402,10 +421,7 @@ nlohmann::json Assembly::close_recordings(std::string& error) {
     const bag::Report report = messages_->close();
     result["messages_recorded"] = report.written;
     result["messages_dropped"] = report.dropped;
-    if (!report.error.empty()) {
-      log::warning("{}", report.error);
-      error = report.error;
-    }
+    take(report.error);
   }
   return result;
 }

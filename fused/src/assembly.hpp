@@ -80,6 +80,7 @@ class Assembly {
   std::string process_;
   LiveView* view_;
   std::string folder_;  ///< of the recordings; empty: none
+  WriteFailures& failures_;
   GraphDescription description_;
   std::unique_ptr<bag::Recorder> messages_;  ///< before those who keep messages in it
   std::vector<std::unique_ptr<Source>> sources_;

@@ -37,9 +37,15 @@ void Changes::repeat(const std::function<void(const experiment::Change&)>& made)
 }
 
 void Changes::make(const experiment::Change& change) {
-  if (graph_.change(change.node, change.parameter, change.value) && !folder_.empty()) {
-    append_line(folder_ + "/" + experiment::kChangesFile,
+  if (!graph_.change(change.node, change.parameter, change.value) || folder_.empty()) {
+    return;
+  }
+  const std::string path = folder_ + "/" + experiment::kChangesFile;
+  try {
+    append_line(path,
                 experiment::to_text({graph_.time(), change.node, change.parameter, change.value}));
+  } catch (const FileError& error) {
+    failures_.add(path, error.what());
   }
 }
 

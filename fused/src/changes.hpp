@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "spikeloop/core/graph.hpp"
+#include "spikeloop/core/write_failures.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
 namespace spikeloop::fused {
@@ -14,19 +15,22 @@ namespace spikeloop::fused {
 class Changes {
  public:
   /// @param folder of the run, where they are written; empty: nowhere
-  Changes(const experiment::Experiment& experiment, Graph& graph, std::string folder)
-      : experiment_(experiment), graph_(graph), folder_(std::move(folder)) {}
+  /// @param failures receives a failed write
+  Changes(const experiment::Experiment& experiment, Graph& graph, std::string folder,
+          WriteFailures& failures)
+      : experiment_(experiment), graph_(graph), folder_(std::move(folder)), failures_(failures) {}
 
   /// The changes of a run that is repeated, up to the graph's time. @throws Error as
   /// Graph::change().
   void repeat(const std::function<void(const experiment::Change&)>& made);
-  /// From the graph's time on. @throws FileError, NodeError.
+  /// From the graph's time on. @throws NodeError.
   void make(const experiment::Change& change);
 
  private:
   const experiment::Experiment& experiment_;
   Graph& graph_;
   std::string folder_;
+  WriteFailures& failures_;
   std::size_t repeated_ = 0;
 };
 

@@ -26,6 +26,7 @@ std::unique_ptr<robot::Robot> make_environment(const Experiment& experiment, con
   options.seed = experiment.robot->seed;
   options.dialect = use.dialect;
   options.folder = use.folder;
+  options.failures = use.failures;
   if (experiment.episodes) {
     options.episodes = episode_settings(*experiment.episodes);
     options.pause_observation = experiment.episodes->pause_observation;
@@ -44,6 +45,7 @@ std::unique_ptr<robot::Robot> make_robot(const Experiment& experiment, const Rob
   options.vehicle = {robot.world, robot.seed};
   options.spectators = use.spectators;
   options.folder = use.folder;
+  options.failures = use.failures;
   options.sensors.blind = use.blind;
   options.sensors.dialect = use.dialect;
   if (robot.model) {

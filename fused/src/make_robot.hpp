@@ -14,7 +14,8 @@ namespace spikeloop::fused {
 struct RobotUse {
   std::string folder{};  ///< of its files; empty: none
   robot::SpectatorOptions spectators{};
-  bool blind = false;  ///< as robot::SensorOptions
+  bool blind = false;                 ///< as robot::SensorOptions
+  WriteFailures* failures = nullptr;  ///< as of robot::RowFile
   messages::Dialect dialect = messages::Dialect::ros1;
 };
 

@@ -114,6 +114,7 @@ json resolved_json(const experiment::Experiment& experiment) {
               {"version", SPIKELOOP_VERSION},
               {"nodes", nodes},
               {"real_time_factor", experiment.real_time_factor},
+              {kOnWriteFailureKey, to_text(experiment.on_write_failure)},
               {"ros", experiment::name_of(experiment.ros)},
               {"layout", name_of(experiment.layout)},
               {"connections", connections_json(experiment)},

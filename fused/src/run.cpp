@@ -10,6 +10,7 @@
 #include "assembly.hpp"
 #include "bag_transport.hpp"
 #include "changes.hpp"
+#include "file_watch.hpp"
 #include "live_view.hpp"
 #include "make_robot.hpp"
 #include "memory_transport.hpp"
@@ -83,14 +84,15 @@ std::unique_ptr<Pacer> make_pacer(const Experiment& experiment, const std::strin
 class Loop {
  public:
   Loop(const Experiment& experiment, const Surroundings& surroundings, Assembly& assembly,
-       const std::string& folder, const RunEvents& events)
+       const RunOptions& options, const RunEvents& events)
       : experiment_(experiment),
         transport_(surroundings.transport),
         assembly_(assembly),
         others_(surroundings.others),
         view_(surroundings.view),
         events_(events),
-        changes_(experiment, assembly.graph(), folder),
+        changes_(experiment, assembly.graph(), options.folder, *options.failures),
+        files_(options, experiment.on_write_failure),
         pacer_(make_pacer(experiment, surroundings.process, transport_)) {}
 
   /// Whether there was a tick.
@@ -129,6 +131,7 @@ class Loop {
     const TimeNs now = wall_now();
     computing_ += now - began;
     tell_progress(now);
+    files_.check(now);
     if (view_ != nullptr) {
       view_->after_tick(progress(), now);
     }
@@ -180,6 +183,7 @@ class Loop {
   LiveView* view_;
   const RunEvents& events_;
   Changes changes_;
+  FileWatch files_;
   std::unique_ptr<Pacer> pacer_;
   bool begun_ = false;
   std::uint64_t episode_ = 1;
@@ -347,7 +351,9 @@ std::unique_ptr<Transport> make_transport(const Experiment& experiment, const Ru
     return std::make_unique<BagTransport>(robot->bag);
   }
   return std::make_unique<MemoryTransport>(
-      robot ? make_robot(experiment, {.folder = options.folder, .spectators = options.spectators})
+      robot ? make_robot(experiment, {.folder = options.folder,
+                                      .spectators = options.spectators,
+                                      .failures = options.failures.get()})
             : nullptr);
 }
 
@@ -375,7 +381,7 @@ struct Run::Impl {
       view->take_graph(assembly->graph());
       stop_button.emplace(view->feed(), assembly->commands());
     }
-    loop.emplace(experiment, surroundings, *assembly, options.folder, events);
+    loop.emplace(experiment, surroundings, *assembly, options, events);
   }
 
   void write_begin() const {
@@ -408,6 +414,18 @@ struct Run::Impl {
       result.exit_code = kFileFault;
       result.reason = lost;
     }
+    take_failures();
+  }
+
+  /// All files that are incomplete, whether the failure ended the run or not.
+  void take_failures() {
+    if (options.failures->any() && (result.exit_code == 0 || result.exit_code == kFileFault)) {
+      result.exit_code = kFileFault;
+      result.reason = options.failures->text();
+    }
+    if (options.failures->any()) {
+      result.summary["incomplete_files"] = options.failures->files();
+    }
   }
 
   void write_end() {
@@ -415,7 +433,7 @@ struct Run::Impl {
       attempt(result, [&] { write_results(assembly->graph(), options.folder); });
     }
     if (writes_files) {
-      write_json(options.folder + "/summary.json", result.summary);
+      attempt(result, [&] { write_json(options.folder + "/summary.json", result.summary); });
     }
   }
 

@@ -48,7 +48,14 @@ JobResult Job::run(const JobEvents& events) {
   }
   JobResult result = run.result();
   if (!options_.folder.empty()) {
-    write_file(options_.folder + "/summary.json", result.summary.dump(2) + "\n");
+    try {
+      write_file(options_.folder + "/summary.json", result.summary.dump(2) + "\n");
+    } catch (const Error& error) {  // the reason for an earlier end is more important
+      if (result.exit_code == 0) {
+        result.exit_code = error.exit_code();
+        result.reason = error.what();
+      }
+    }
   }
   return result;
 }

@@ -112,6 +112,8 @@ std::vector<ParameterDescription> common_parameters(const CommonDefaults& defaul
        {},
        "Delay of spike inputs in whole ticks; it is added to their times"},
       boolean("record", false, "Record the outputs of this program in $SPIKELOOP_OUT/LABEL.h5"),
+      choice(kOnWriteFailureKey, on_write_failure_choices(),
+             "If the recording cannot be written: stop ends the job, continue prints a warning"),
   };
 }
 
@@ -147,6 +149,7 @@ CommonKeys parse_common_keys(const WrittenValues& written, const CommonDefaults&
   keys.signal_delay = static_cast<int>(parameters.integer("signal_delay"));
   keys.spike_delay += parameters.integer("spike_delay") * keys.music_timestep;
   keys.record = parameters.boolean("record");
+  keys.on_write_failure = on_write_failure_of(parameters.text(kOnWriteFailureKey));
   return keys;
 }
 

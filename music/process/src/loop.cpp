@@ -184,6 +184,9 @@ Process::Loop::~Loop() = default;
 
 bool Process::Loop::begin() {
   State& own = *state_;
+  if (own.process.recording) {
+    own.process.recording->check(own.keys.on_write_failure);
+  }
   const bool goes_on =
       !status::stop_requested() && (!own.keys.stoptime || own.time < *own.keys.stoptime);
   if (!first_says(own.process.ranks, goes_on)) {

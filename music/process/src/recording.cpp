@@ -44,7 +44,7 @@ class FileRecording : public Recording {
  public:
   FileRecording(GraphDescription& description, const std::string& label)
       : recorder_((output_folder() / (label + ".h5")).string(), label,
-                  {description.seed, description.tick}),
+                  {description.seed, description.tick}, {.failures = &failures_}),
         on_termination_([this] { recorder_.flush_and_close_from_signal(); }) {
     for (const auto& recorded : recorded_ports(description)) {
       add(description, recorded);
@@ -63,6 +63,8 @@ class FileRecording : public Recording {
     }
   }
 
+  void check(OnWriteFailure policy) override { failures_.check(policy); }
+
   std::function<void(TimeNs, double)> value_writer(const std::string& stream,
                                                    const std::string& unit) override {
     return recorder_.value_writer(stream, unit);
@@ -77,6 +79,7 @@ class FileRecording : public Recording {
     description.connections.push_back({from, name, port.width, 0, {}});
   }
 
+  WriteFailures failures_;
   record::Recorder recorder_;
   std::vector<std::unique_ptr<Sink>> sinks_;
   status::TerminationHook on_termination_;  // gone before what it touches

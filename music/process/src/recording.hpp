@@ -8,6 +8,7 @@
 #include <string>
 
 #include "spikeloop/core/graph.hpp"
+#include "spikeloop/core/write_failures.hpp"
 
 namespace spikeloop::music {
 
@@ -16,6 +17,8 @@ class Recording {
  public:
   virtual ~Recording() = default;
   virtual void close() = 0;
+  /// To be called every tick, as WriteFailures::check().
+  virtual void check(OnWriteFailure policy) = 0;
   /// As record::Recorder::value_writer().
   virtual std::function<void(TimeNs, double)> value_writer(const std::string& stream,
                                                            const std::string& unit) = 0;

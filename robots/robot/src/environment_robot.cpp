@@ -28,8 +28,8 @@ EnvironmentRobot::EnvironmentRobot(const EnvironmentOptions& options)
       seed_(options.seed),
       step_(options.step.value_or(environment_->description().step)),
       pause_observation_(options.pause_observation),
-      episodes_(with_defaults(options.episodes, environment_->description(), step_),
-                options.folder),
+      episodes_(with_defaults(options.episodes, environment_->description(), step_), options.folder,
+                options.failures),
       message_(options.dialect),
       action_reader_(messages::Catalog::builtin(options.dialect), kNumbersType, "data[0]") {
   const bool bounded = std::ranges::all_of(

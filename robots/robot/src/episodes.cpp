@@ -3,27 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "spikeloop/core/error.hpp"
-#include "spikeloop/core/file.hpp"
-
 namespace spikeloop::robot {
 
-Episodes::Episodes(const EpisodeSettings& settings, const std::string& folder)
+Episodes::Episodes(const EpisodeSettings& settings, const std::string& folder,
+                   WriteFailures* failures)
     : settings_(settings) {
   settings_.hold = std::max(settings_.hold, settings_.step);
-  if (folder.empty()) {
-    return;
+  if (!folder.empty()) {
+    file_.emplace((std::filesystem::path(folder) / kEpisodesFile).string(),
+                  "episode,begin_s,end_s,steps,return,success,end", failures);
   }
-  path_ = (std::filesystem::path(folder) / kEpisodesFile).string();
-  file_ = create_stream(path_);
-  file_ << "episode,begin_s,end_s,steps,return,success,end\n";
-  check_file();
 }
 
 void Episodes::begin(TimeNs time) {
@@ -54,12 +48,11 @@ void Episodes::end(TimeNs time, const StepResult& result) {
   }
   const bool success = result.success || (settings_.lasts && !result.terminated);
   ended_.push_back({return_, success, result.terminated});
-  if (!path_.empty()) {
-    file_ << fmt::format("{},{:.9g},{:.9g},{},{},{},{}\n", number_, to_seconds(began_),
-                         to_seconds(time), steps_, return_, success ? 1 : 0,
-                         result.terminated ? "terminated" : "time_limit");
-    file_.flush();  // who watches the run reads it
-    check_file();
+  if (file_) {
+    file_->write(fmt::format("{},{:.9g},{:.9g},{},{},{},{}\n", number_, to_seconds(began_),
+                             to_seconds(time), steps_, return_, success ? 1 : 0,
+                             result.terminated ? "terminated" : "time_limit"));
+    file_->flush();  // who watches the run reads it
   }
 }
 
@@ -95,15 +88,8 @@ nlohmann::json Episodes::summary() const {
 }
 
 void Episodes::finish() {
-  if (!path_.empty()) {
-    file_.close();
-    check_file();
-  }
-}
-
-void Episodes::check_file() const {
-  if (!file_) {
-    throw FileError("write", path_, errno != 0 ? errno : EIO);
+  if (file_) {
+    file_->close();
   }
 }
 

@@ -111,32 +111,53 @@ nlohmann::json describe(const std::vector<vehicle::Obstacle>& footprints) {
 
 }  // namespace
 
-TrajectoryFile::TrajectoryFile(const std::string& directory)
-    : path_(in_directory(directory, "trajectory.csv")) {
-  file_ = create_stream(path_);
-  file_ << "t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions\n";
+RowFile::RowFile(std::string path, const std::string& head, WriteFailures* failures)
+    : path_(std::move(path)), failures_(failures) {
+  file_.reset(::fdopen(create_file(path_), "wb"));
+  if (!file_) throw FileError("write", path_, errno);
+  write(head + "\n");
 }
+
+template <typename Work>
+void RowFile::attempt(Work&& work) {
+  if (!file_) return;
+  try {
+    require_not_deleted(::fileno(file_.get()), path_);
+    errno = 0;
+    if (!work()) throw FileError("write", path_, errno != 0 ? errno : EIO);
+  } catch (const FileError& error) {
+    file_.reset();
+    if (failures_ == nullptr) throw;
+    failures_->add(path_, error.what());
+  }
+}
+
+void RowFile::write(const std::string& row) {
+  attempt([&] { return std::fwrite(row.data(), 1, row.size(), file_.get()) == row.size(); });
+}
+
+void RowFile::flush() {
+  attempt([&] { return std::fflush(file_.get()) == 0; });
+}
+
+void RowFile::close() {
+  attempt([&] { return std::fclose(file_.release()) == 0; });
+}
+
+TrajectoryFile::TrajectoryFile(const std::string& directory, WriteFailures* failures)
+    : file_(in_directory(directory, "trajectory.csv"),
+            "t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions", failures) {}
 
 void TrajectoryFile::write(const vehicle::Odometry& odometry,
                            std::optional<std::uint64_t> collisions) {
-  file_ << fmt::format("{:.3f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{}\n", to_seconds(odometry.stamp),
-                       odometry.pose.x_m, odometry.pose.y_m, odometry.pose.theta_rad,
-                       odometry.linear_x_m_s, odometry.angular_z_rad_s,
-                       collisions ? fmt::to_string(*collisions) : "nan");
+  file_.write(fmt::format("{:.3f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{}\n",
+                          to_seconds(odometry.stamp), odometry.pose.x_m, odometry.pose.y_m,
+                          odometry.pose.theta_rad, odometry.linear_x_m_s, odometry.angular_z_rad_s,
+                          collisions ? fmt::to_string(*collisions) : "nan"));
   if (const TimeNs now = wall_now(); now - flushed_ >= kFlushPeriod) {
     file_.flush();
     flushed_ = now;
   }
-  check();
-}
-
-void TrajectoryFile::close() {
-  file_.close();
-  check();
-}
-
-void TrajectoryFile::check() const {
-  if (!file_) throw FileError("write", path_, errno != 0 ? errno : EIO);
 }
 
 void write_world(const std::string& directory, const vehicle::Vehicle& vehicle,

@@ -93,7 +93,7 @@ SteppedRobot::SteppedRobot(const RobotOptions& options)
       command_topic_(*robot_, options.sensors.dialect) {
   if (!options.folder.empty() && robot_->vehicle() != nullptr) {
     write_world(options.folder, *robot_->vehicle(), options.vehicle.seed);
-    trajectory_.emplace(options.folder);
+    trajectory_.emplace(options.folder, options.failures);
   }
   if (options.episodes) {
     refuse_start_off_the_lane(vehicle(), options.vehicle.world);
@@ -101,7 +101,7 @@ SteppedRobot::SteppedRobot(const RobotOptions& options)
     settings.step = kRowPeriod;
     check_goal(settings.goal, vehicle());
     settings.lasts = vehicle().goals().empty() && !vehicle().lanes().empty();
-    episodes_.emplace(settings, options.folder);
+    episodes_.emplace(settings, options.folder, options.failures);
     episodes_->begin(0);
     sensors_.add_numbers("reward", kRowPeriod,
                          [this] { return std::vector{episodes_->told_reward()}; });

@@ -16,6 +16,7 @@
 #include "spikeloop/core/diagnostic.hpp"
 #include "spikeloop/core/graph.hpp"
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/core/write_failures.hpp"
 #include "spikeloop/experiment/changes.hpp"
 #include "spikeloop/experiment/node_types.hpp"
 #include "spikeloop/messages/dialect.hpp"
@@ -156,6 +157,7 @@ struct Experiment {
   Sync sync = Sync::realtime;
   Location sync_where{};
   double real_time_factor = 1;
+  OnWriteFailure on_write_failure = OnWriteFailure::stop;
   Ros ros = Ros::none;
   messages::Dialect dialect = messages::Dialect::ros1;  ///< of all messages
   Layout layout{};

@@ -19,6 +19,7 @@
 #include <string>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/core/write_failures.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/fused/other_processes.hpp"
 #include "spikeloop/fused/transport.hpp"
@@ -56,6 +57,8 @@ struct RunOptions {
       observe{};
   /// As live::Feed; empty: there is no live view.
   std::string live_folder{};
+  /// Of all files of the run; the experiment's on_write_failure says what follows.
+  std::shared_ptr<WriteFailures> failures = std::make_shared<WriteFailures>();
 };
 
 struct RunResult {

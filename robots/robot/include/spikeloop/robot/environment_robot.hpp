@@ -31,7 +31,8 @@ struct EnvironmentOptions {
   /// A time limit that is not given is that of the environment.
   EpisodeSettings episodes{};
   messages::Dialect dialect = messages::Dialect::ros1;
-  std::string folder{};  ///< of episodes.csv; empty: none
+  std::string folder{};               ///< of episodes.csv; empty: none
+  WriteFailures* failures = nullptr;  ///< as of RowFile
 };
 
 class EnvironmentRobot : public Robot {

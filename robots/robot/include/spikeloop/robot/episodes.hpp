@@ -4,13 +4,13 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/robot/files.hpp"
 
 namespace spikeloop::robot {
 
@@ -42,8 +42,10 @@ struct StepResult {
 class Episodes {
  public:
   /// @param folder where episodes.csv is written; empty: nowhere
+  /// @param failures as of RowFile
   /// @throws FileError when it cannot be written.
-  Episodes(const EpisodeSettings& settings, const std::string& folder);
+  Episodes(const EpisodeSettings& settings, const std::string& folder,
+           WriteFailures* failures = nullptr);
 
   /// The next episode begins now.
   void begin(TimeNs time);
@@ -85,11 +87,9 @@ class Episodes {
     bool terminated;
   };
   void end(TimeNs time, const StepResult& result);
-  void check_file() const;
 
   EpisodeSettings settings_;
-  std::string path_;
-  std::ofstream file_;
+  std::optional<RowFile> file_;
   std::uint64_t number_ = 0;
   enum class Phase { running, ended, pause } phase_ = Phase::pause;
   TimeNs began_ = 0;

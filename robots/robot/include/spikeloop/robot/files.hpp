@@ -1,31 +1,53 @@
 // What a run leaves on disk: the path driven, the world it was driven in, the result.
 #pragma once
 
-#include <fstream>
+#include <cstdio>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
+#include "spikeloop/core/write_failures.hpp"
 #include "spikeloop/vehicle/vehicle.hpp"
 
 namespace spikeloop::robot {
+
+/// A text file with a row per event. With `failures` a write that fails is added to them, and ends
+/// the file; without, it throws FileError.
+class RowFile {
+ public:
+  /// Replaces a file of the same name. @throws FileError.
+  RowFile(std::string path, const std::string& head, WriteFailures* failures);
+  void write(const std::string& row);
+  void flush();
+  void close();
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  template <typename Work>
+  void attempt(Work&& work);
+
+  std::string path_;
+  WriteFailures* failures_;
+  std::unique_ptr<std::FILE, Close> file_;  // null after close(), or a failure
+};
 
 /// trajectory.csv: t_s, x_m, y_m, theta_rad, v_m_s, w_rad_s, collisions (counted so far;
 /// nan: not known).
 class TrajectoryFile {
  public:
   /// Makes the directory when there is none. @throws FileError.
-  explicit TrajectoryFile(const std::string& directory);
-  /// Can be read from the file within 50 ms, when rows go on to come. @throws FileError.
+  explicit TrajectoryFile(const std::string& directory, WriteFailures* failures = nullptr);
+  /// Can be read from the file within 50 ms, when rows go on to come. @throws FileError, as
+  /// RowFile.
   void write(const vehicle::Odometry& odometry, std::optional<std::uint64_t> collisions);
-  /// @throws FileError.
-  void close();
+  /// @throws FileError, as RowFile.
+  void close() { file_.close(); }
 
  private:
-  void check() const;
-
-  std::string path_;
-  std::ofstream file_;
+  RowFile file_;
   TimeNs flushed_ = 0;  ///< wall time
 };
 

@@ -27,6 +27,7 @@ struct RobotOptions {
   std::optional<EpisodeSettings> episodes{};
   /// Where the vehicle's trajectory.csv, world.json and episodes.csv are written; empty: nowhere.
   std::string folder{};
+  WriteFailures* failures = nullptr;  ///< as of RowFile
 };
 
 class SteppedRobot : public Robot {
