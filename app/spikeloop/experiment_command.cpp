@@ -14,6 +14,7 @@
 #include "diagnostic_text.hpp"
 #include "experiment_places.hpp"
 #include "output.hpp"
+#include "resources.hpp"
 #include "ros2_look.hpp"
 #include "ros_arguments.hpp"
 #include "simulator_check.hpp"
@@ -252,6 +253,9 @@ int run_music_job(const ExperimentArguments& arguments, const Experiment& experi
   options.alone = !experiment::needs_music(experiment);
   const int exit_code = logged(log, [&] {
     launch::Job job(read_music_file(music.path), options);
+    require_resources(
+        needs_of(job.effective().file, options, !live::folder_from_environment().empty(),
+                 [&](const std::string& process) { return meets_robot(experiment, process); }));
     return run_job(job, arguments.volume, &log, experiment::follows_clock(experiment.sync));
   });
   put_result(folder.shown() + "\n");
@@ -364,6 +368,9 @@ int run_experiment(const ExperimentArguments& arguments) {
         "{} is for runs in several processes (layout,  ros,  a simulator), and this one "
         "has a single process; leave it out",
         arguments.timeout_given));
+  }
+  if (arguments.live.on) {
+    require_resources({.mpi = false, .feeds = 1});
   }
   const launch::RunFolder folder = folder_for(arguments, experiment);
   const auto live = live_server(arguments.live, experiment, folder);

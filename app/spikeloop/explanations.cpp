@@ -213,6 +213,11 @@ constexpr Explanation kExplanations[] = {
      "`scripts/build` builds a missing program of Spikeloop; `spikeloop doctor` lists the missing "
      "ones."},
 
+    {Code::resource, "This machine has too little of a resource for the run",
+     "Shared memory, open files, address space or participants of a ROS 2 domain. Programs would "
+     "crash or hang during the run. The message has the need and the remedy; `spikeloop doctor` "
+     "lists all resources."},
+
     {Code::no_ros_master, "No ROS master answers",
      "Start one by roscore, or set ROS_MASTER_URI to the address of one that runs."},
     {Code::partner_missing, "A robot or simulator has not come",

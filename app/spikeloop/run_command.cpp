@@ -15,6 +15,7 @@
 #include "option_values.hpp"
 #include "output.hpp"
 #include "recorded_run.hpp"
+#include "resources.hpp"
 #include "ros2_look.hpp"
 #include "ros_arguments.hpp"
 #include "spikeloop/config/music_file.hpp"
@@ -323,6 +324,10 @@ int run(RunArguments& arguments) {
   launch::Job job(file, arguments.job);
   if (arguments.dry_run) {
     return dry_run(job, launch::check_job(file, arguments.job.run), arguments.file);
+  }
+  if (arguments.job.hostfile.empty()) {
+    require_resources(needs_of(job.effective().file, arguments.job, false,
+                               [](const std::string&) { return true; }));
   }
   std::optional<launch::RunFolder> folder;
   if (!arguments.job.folder.empty()) {

@@ -17,6 +17,7 @@ constexpr std::uint64_t kMagic = 0x31'65'76'69'6c'6b'70'73;  // "spklive1"
 constexpr std::size_t kWord = sizeof(std::uint64_t);
 constexpr std::size_t kHeaderBytes = 4096;
 static_assert(sizeof(Header) <= kHeaderBytes);
+static_assert(kFeedBytes == kHeaderBytes + kTextBytes + kRingBytes);
 static_assert(std::atomic<double>::is_always_lock_free);
 
 }  // namespace

@@ -106,8 +106,11 @@ void remove_abandoned(const std::string& parent) {
 
 }  // namespace
 
-ScratchFolder::ScratchFolder()
-    : ScratchFolder(access("/dev/shm", W_OK | X_OK) == 0 ? "/dev/shm" : "/tmp") {}
+std::string scratch_parent() {
+  return access("/dev/shm", W_OK | X_OK) == 0 ? "/dev/shm" : "/tmp";
+}
+
+ScratchFolder::ScratchFolder() : ScratchFolder(scratch_parent()) {}
 
 ScratchFolder::ScratchFolder(const std::string& parent) {
   remove_abandoned(parent);

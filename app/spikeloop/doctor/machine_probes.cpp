@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "../resources.hpp"
 #include "probe.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/discovery/discovery.hpp"
@@ -103,6 +104,23 @@ Finding ros2_discovery() {
   }
 }
 
+/// The experiment of `spikeloop new` over ROS 2, in the layout separate: sensor, command, guard and
+/// robot are participants.
+constexpr RunNeeds kExample{.programs = 6, .feeds = 6, .participants = 4};
+
+Finding finding_of(const Resource& resource) {
+  return resource.enough ? ok(resource.text) : warning(resource.text, resource.remedy);
+}
+
+Finding ros2_participants() {
+  try {
+    const Resource resource = participants(kExample);
+    return resource.text.empty() ? ok("not limited by ports") : finding_of(resource);
+  } catch (const Error& error) {
+    return warning(error.what(), "docs/ros2.md has these variables");
+  }
+}
+
 /// A library that is opened when a picture is drawn.
 Probe drawing_probe(const char* name, const char* file, const char* purpose, const char* remedy) {
   return apart(name, false, missing("", remedy), [=] {
@@ -127,19 +145,12 @@ std::vector<Probe> drawing_probes() {
 }  // namespace
 
 Finding shared_memory(const std::string& directory) {
-  constexpr double kEnough_MB = 128;  // Open MPI takes some 4 MB a process
   if (access(directory.c_str(), W_OK | X_OK) != 0) {
     return warning(
         fmt::format("{}: {}; jobs use /tmp, which may be a disk", directory, std::strerror(errno)),
         fmt::format("mount -t tmpfs tmpfs {}", directory));
   }
-  std::error_code ignored;
-  const double free_MB =
-      static_cast<double>(std::filesystem::space(directory, ignored).available) / 1e6;
-  const std::string text = fmt::format("{:.0f} MB free in {}", free_MB, directory);
-  return free_MB >= kEnough_MB
-             ? ok(text)
-             : warning(text, "remove old files there; in a container: docker run --shm-size=1g");
+  return finding_of(app::shared_memory(directory, kExample));
 }
 
 std::vector<Probe> machine_probes() {
@@ -147,11 +158,14 @@ std::vector<Probe> machine_probes() {
   std::vector<Probe> probes{
       {"cores", false, cores()},
       {"shared memory", false, shared_memory("/dev/shm")},
+      {"open files", false, finding_of(open_files(kExample))},
+      {"address space", false, finding_of(address_space(kExample))},
       {"ROS 1", false,
        rosmaster.empty() ? missing(not_in_path("rosmaster"), kInstallRos) : ok(rosmaster)},
       apart("ROS master", false, warning("", kStartMaster), look_at_master),
       apart("host name", false, warning("", kNameHost), look_at_host),
-      {"ROS 2 discovery", false, ros2_discovery()}};
+      {"ROS 2 discovery", false, ros2_discovery()},
+      {"ROS 2 participants", false, ros2_participants()}};
   const std::vector<Probe> drawing = drawing_probes();
   probes.insert(probes.end(), drawing.begin(), drawing.end());
   if (const std::string mpirun = in_path("mpirun"); !mpirun.empty()) {

@@ -72,7 +72,7 @@ Command linker_list(const std::vector<std::string>& programs);
 /// Of such a list: names of libraries, and their files, or "not found".
 std::set<std::pair<std::string, std::string>> libraries_in(const std::string& linker_list);
 
-/// How much of it is free in a directory that jobs share memory in.
+/// Free shared memory in a directory, and the need of an example.
 Finding shared_memory(const std::string& directory);
 
 // All probes but those of versions().

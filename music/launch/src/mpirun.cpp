@@ -194,9 +194,14 @@ std::vector<std::string> mpirun_command(const MusicFile& file, const std::string
 }
 
 std::map<std::string, std::string> mpirun_environment() {
-  const std::string libraries = preloaded("libspikeloop_mpirun.so");
-  return libraries.empty() ? std::map<std::string, std::string>{}
-                           : std::map<std::string, std::string>{{"LD_PRELOAD", libraries}};
+  std::map<std::string, std::string> environment;
+  if (const std::string libraries = preloaded("libspikeloop_mpirun.so"); !libraries.empty()) {
+    environment["LD_PRELOAD"] = libraries;
+  }
+  if (std::getenv("PMIX_MCA_gds") == nullptr) {
+    environment["PMIX_MCA_gds"] = "hash";  // the others take 8 MB of shared memory
+  }
+  return environment;
 }
 
 std::string multi_prog_text(const MusicFile& file, const std::string& path) {

@@ -7,9 +7,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <new>
 #include <optional>
+#include <system_error>
 
 #include "job_file.hpp"
+#include "spikeloop/core/code.hpp"
+#include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/status/signals.hpp"
 #include "spikeloop/status/status.hpp"
@@ -19,6 +23,8 @@ namespace {
 
 constexpr int kUsage = 2;
 constexpr int kInternal = 70;
+constexpr const char* kLimitAdvice =
+    "look at ulimit -v and ulimit -u, and at the limits of the container";
 constexpr const char* kCheckOption = "--check-section";
 constexpr std::string_view kAloneOption = "--alone";
 
@@ -184,6 +190,13 @@ int music_main(int argc, char** argv, const ProgramText& text,
     return run_body(argc, argv, text, body);
   } catch (const Error& error) {
     return end_job(label, error.exit_code(), error.what());
+  } catch (const std::bad_alloc&) {
+    return end_job(label, TransportError::kExitCode,
+                   with_code(Code::resource, "there is not enough memory; {}", kLimitAdvice));
+  } catch (const std::system_error& error) {
+    return end_job(label, TransportError::kExitCode,
+                   with_code(Code::resource, "a thread cannot be started ({}); {}", error.what(),
+                             kLimitAdvice));
   } catch (const std::exception& error) {
     return end_job(label, kInternal, fmt::format("internal error: {}", error.what()));
   }

@@ -32,9 +32,6 @@ constexpr const char* kDistribution = "ROS_DISTRO";
 constexpr std::array kVariables{kDomain, kRange, kPeers, kLocalhostOnly, kCyclone, kDistribution};
 
 constexpr std::uint32_t kHighestDomain = 232;  // beyond, there is no port for it
-/// As the rmw layers: more processes of one domain on one machine would not be found, and Cyclone
-/// alone would stop at ten.
-constexpr int kHighestParticipant = 32;
 
 constexpr std::array<std::pair<const char*, Range>, 4> kRanges{
     {{"SUBNET", Range::subnet},
@@ -173,7 +170,7 @@ std::string meeting(const Discovery& discovery, const Interfaces& machine) {
   return element("General", chosen + element("AllowMulticast", multicast)) +
          element("Discovery",
                  element("ParticipantIndex", "auto") +
-                     element("MaxAutoParticipantIndex", fmt::to_string(kHighestParticipant)) +
+                     element("MaxAutoParticipantIndex", fmt::to_string(kMostParticipants - 1)) +
                      peer_list(peers));
 }
 

@@ -63,6 +63,7 @@ enum class Code : int {
   layout = 601,
   music_job = 602,
   program = 603,
+  resource = 604,
   // While a run goes on
   no_ros_master = 701,
   partner_missing = 702,

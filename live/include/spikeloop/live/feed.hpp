@@ -29,6 +29,8 @@ inline constexpr const char* kFolderVariable = "SPIKELOOP_LIVE";
 std::string folder_from_environment();  ///< empty: unset
 
 inline constexpr std::size_t kRingBytes = std::size_t{16} << 20;
+/// Size of the file of a process: header, channels and ring.
+inline constexpr std::size_t kFeedBytes = 4096 + (std::size_t{2} << 20) + kRingBytes;
 
 /// What people can follow: of a run that follows no clock, until the view asks for another one.
 inline constexpr double kFirstSpeed = 1;

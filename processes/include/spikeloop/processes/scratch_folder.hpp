@@ -9,6 +9,10 @@
 
 namespace spikeloop {
 
+/// Where scratch folders are: /dev/shm, which is in memory, or /tmp if this user cannot write
+/// there.
+std::string scratch_parent();
+
 /// Is removed with everything in it when the object is. When the program is killed, a process that
 /// only waits for that removes it, as soon as nobody has descriptor() or a copy of it any more. If
 /// that process was killed, too, the next object with the same parent removes it.

@@ -33,7 +33,7 @@ std::vector<std::string> mpirun_command(const MusicFile& file, const std::string
                                         const Hosts& hosts);
 
 /// Variables of an mpirun whose job is on this machine: it listens on 127.0.0.1 only
-/// (music/mpirun_sockets.cpp).
+/// (music/mpirun_sockets.cpp), and PMIx keeps its data in the memory of mpirun.
 std::map<std::string, std::string> mpirun_environment();
 
 /// What `srun --multi-prog` reads: a line a section, its ranks and its program, which finds its

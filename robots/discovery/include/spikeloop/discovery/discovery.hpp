@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,14 @@ struct Interfaces {
   std::vector<std::string> addresses{};  ///< IPv4, of the other interfaces that are up
 };
 Interfaces interfaces();
+
+/// Largest number of participants of a domain on one machine. As the rmw layers: more would not be
+/// found, and Cyclone alone would stop at ten.
+inline constexpr unsigned kMostParticipants = 33;
+
+/// Participants that can still start on this machine in the domain: each takes one of
+/// kMostParticipants UDP ports. nullopt if `discovery` does not use these ports.
+std::optional<int> free_participants(const Discovery& discovery);
 
 /// Settings of Cyclone DDS (XML, then CYCLONEDDS_URI) that meet what the rmw layers of ROS 2 meet
 /// in the same range, whichever DDS they run on. For all but system_default this process's port is
