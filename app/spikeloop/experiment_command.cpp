@@ -220,9 +220,6 @@ void add_robot(const Experiment& experiment, const robot::SpectatorWords& specta
          fmt::format("--camera-fov={}", camera->field_of_view_deg)});
   }
   add(spectators.arguments());
-  if (experiment.on_write_failure == OnWriteFailure::proceed) {
-    options.robot_arguments.push_back("--on-write-failure=" + to_text(experiment.on_write_failure));
-  }
   if (experiment.sync == experiment::Sync::lockstep) {
     options.robot_arguments.emplace_back("--step");
   } else if (experiment.sync == experiment::Sync::sim_time) {

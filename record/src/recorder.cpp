@@ -33,7 +33,7 @@ constexpr std::size_t kMostBatchBytes = std::size_t{8} << 20;
 constexpr std::size_t kAllBatchBytes = std::size_t{64} << 20;
 /// HDF5's cache of metadata, per file. A node of the index of chunks counts as 2 kB and takes 25
 /// kB.
-constexpr std::size_t kMetadataBytes = std::size_t{1} << 16;
+constexpr std::size_t kMetadataBytes = std::size_t{1} << 15;
 /// Buffers of wide streams hold fewer rows than others, but those of this much simulated time.
 constexpr std::size_t kWideBufferBytes = std::size_t{64} << 20;
 constexpr std::size_t kMostBufferBytes = std::size_t{4} << 30;

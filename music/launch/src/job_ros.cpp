@@ -10,6 +10,7 @@
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/core/write_failures.hpp"
 #include "spikeloop/launch/effective_file.hpp"
 #include "spikeloop/launch/programs.hpp"
 #include "spikeloop/launch/ros_master.hpp"
@@ -235,6 +236,8 @@ bool JobRun::start_robot() {
   add_robot_option(effective_.file, "seed", "--seed", options_.robot_arguments, start.arguments);
   add_robot_option(effective_.file, "rtf", "--real-time-factor", options_.robot_arguments,
                    start.arguments);
+  add_robot_option(effective_.file, kOnWriteFailureKey, "--on-write-failure",
+                   options_.robot_arguments, start.arguments);
   start.arguments.insert(start.arguments.end(), options_.robot_arguments.begin(),
                          options_.robot_arguments.end());
   robot_ = &group_.start(with_environment(start),
