@@ -47,7 +47,7 @@ TEST_F(TextsTest, the_emergency_stop_says_which_topic) {
   EXPECT_EQ(cause(StopReason::stop_button), "STOP is pressed in the live view");
   EXPECT_EQ(cause(StopReason::suspended), "the run is suspended (Ctrl-Z); fg continues it");
   EXPECT_EQ(cause(StopReason::unsupervised),
-            "the launcher, or mpirun, is stopped (SIGSTOP) or hangs");
+            "the launcher or mpirun is stopped (SIGSTOP), or the machine is too busy");
   EXPECT_EQ(cause(StopReason::unguarded), "no guard answers, and guard_required is true");
   EXPECT_EQ(cause(StopReason::emergency_unknown),
             "the emergency stop's topic '/stop' has no publisher");

@@ -261,8 +261,8 @@ TEST_F(GuardTest, launcher_stopped) {
   child_->signal(SIGINT);
   const auto outcome = child_->wait();
   EXPECT_EQ(outcome.exit_code, 130) << outcome.text();
-  EXPECT_THAT(outcome.err, HasSubstr("the robot is stopped: the launcher, or mpirun, is stopped "
-                                     "(SIGSTOP) or hangs"));
+  EXPECT_THAT(outcome.err, HasSubstr("the robot is stopped: the launcher or mpirun is stopped "
+                                     "(SIGSTOP), or the machine is too busy"));
 }
 
 TEST_F(GuardTest, mpirun_stopped) {

@@ -43,7 +43,7 @@ std::string stop_cause(StopReason reason, const CommandSettings& settings,
     case StopReason::suspended:
       return "the run is suspended (Ctrl-Z); fg continues it";
     case StopReason::unsupervised:
-      return "the launcher, or mpirun, is stopped (SIGSTOP) or hangs";
+      return "the launcher or mpirun is stopped (SIGSTOP), or the machine is too busy";
     case StopReason::unguarded:
       return "no guard answers, and guard_required is true";
     case StopReason::terminated:
