@@ -12,8 +12,8 @@ import sys
 import tempfile
 import time
 
+import loop
 import robots
-import time_to_zero
 from robots import ros
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "support"))
@@ -60,9 +60,9 @@ def while_the_simulator_hangs(robot, launcher):
 def main(version):
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
-        with robots.robot(version, time_to_zero.PROGRAMS, scratch) as robot:
+        with robots.robot(version, loop.PROGRAMS, scratch) as robot:
             robot.scans(True)
-            words = time_to_zero.prepared(scratch, version, "fused")
+            words = loop.command(loop.write(scratch, loop.experiment(script=True)), version, "fused")
             launcher = subprocess.Popen([*words, "--out", scratch / "run"], start_new_session=True)
             try:
                 for fault in (after_a_continue, while_the_simulator_hangs):
