@@ -407,6 +407,9 @@ nlohmann::json Assembly::close_recordings(std::string& error) {
       error = problem;
     }
   };
+  for (const auto& [name, recorder] : recorders_) {
+    recorder->begin_close();
+  }
   std::uint64_t spikes = 0;
   std::uint64_t dropped = 0;
   for (const auto& [name, recorder] : recorders_) {

@@ -29,8 +29,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr hsize_t kSpareBytes = 65'536;  // object headers, attributes
 /// A file is flushed when this much of its data waits; less if many files share the memory.
-constexpr std::size_t kMostBatchBytes = std::size_t{8} << 20;
-constexpr std::size_t kAllBatchBytes = std::size_t{64} << 20;
+constexpr std::size_t kMostBatchBytes = std::size_t{2} << 20;
+constexpr std::size_t kLeastBatchBytes = std::size_t{1} << 16;
+constexpr std::size_t kAllBatchBytes = std::size_t{8} << 20;
 /// HDF5's cache of metadata, per file. A node of the index of chunks counts as 2 kB and takes 25
 /// kB.
 constexpr std::size_t kMetadataBytes = std::size_t{1} << 15;
@@ -294,7 +295,8 @@ bool Recorder::Impl::serve(std::size_t files) {
   for (const auto& stream : all) {
     bytes += stream->batch_bytes();
   }
-  if (Clock::now() >= next_flush || bytes > std::min(kMostBatchBytes, kAllBatchBytes / files)) {
+  if (Clock::now() >= next_flush ||
+      bytes > std::clamp(kAllBatchBytes / files, kLeastBatchBytes, kMostBatchBytes)) {
     flush(all);
     next_flush = Clock::now() + std::chrono::nanoseconds(options.flush_every);
   }
@@ -416,10 +418,14 @@ Report Recorder::Impl::report() {
   return counts;
 }
 
-Report Recorder::close() {
-  const std::lock_guard lock(impl_->close_mutex);
+void Recorder::begin_close() noexcept {
   impl_->stop.store(true);
   impl_->wake->post();
+}
+
+Report Recorder::close() {
+  const std::lock_guard lock(impl_->close_mutex);
+  begin_close();
   impl_->ended.wait(false);
   return impl_->report();
 }
@@ -427,8 +433,7 @@ Report Recorder::close() {
 bool Recorder::flush_and_close_from_signal(TimeNs patience) noexcept {
   const int error_before = errno;
   constexpr TimeNs kLook = 1'000'000;
-  impl_->stop.store(true);
-  impl_->wake->post();
+  begin_close();
   for (TimeNs waited = 0; !impl_->ended.load() && waited < patience; waited += kLook) {
     const timespec look{0, kLook};
     ::nanosleep(&look, nullptr);

@@ -131,7 +131,8 @@ def full_disk(scratch):
         resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000))
     said = bags.spikeloop("run", file, "--out", scratch / "full", code=4, preexec_fn=limit,
                           restore_signals=False)  # so that SIGXFSZ stays ignored
-    runs.assert_says(said, f"'{scratch}/full/messages.mcap': File too large", "messages are lost")
+    runs.assert_says(said, f"'{scratch}/full/messages.mcap': File too large",
+                     "incomplete: messages.mcap")
 
 
 def killed(scratch):

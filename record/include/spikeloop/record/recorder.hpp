@@ -101,6 +101,10 @@ class Recorder {
   std::function<void(TimeNs time, double value)> value_writer(const std::string& stream,
                                                               const std::string& unit);
 
+  /// Asks the writer to close the file, and does not wait: many files are closed in one pass.
+  /// Async-signal-safe.
+  void begin_close() noexcept;
+
   /// Writes what waits, closes the file, ends the writer. Whatever is sent later is counted as
   /// dropped. A second call gives the same report. Never throws.
   Report close();
