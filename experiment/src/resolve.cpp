@@ -247,6 +247,33 @@ void check_ways(const Experiment& experiment, Faults& faults) {
   }
 }
 
+/// An encoder that needs more memory than the machine has would be killed at its first tick.
+void check_spike_rates(const Experiment& experiment, Faults& faults) {
+  constexpr const char* kKey = "rate_max";
+  constexpr double kMostSpikes = 1e8;  // per tick
+  for (const Output& output : experiment.outputs) {
+    const Node& node = experiment.node(output.node);
+    const bool has_rate = node.role == Role::node &&
+                          std::ranges::any_of(node.node_class->description.parameters,
+                                              [](const auto& known) { return known.name == kKey; });
+    if (output.kind != PortKind::spikes || !has_rate) {
+      continue;
+    }
+    const double rate_hz = node.parameters.number(kKey);
+    const double spikes = output.width * rate_hz * to_seconds(experiment.tick);
+    if (spikes > kMostSpikes) {
+      faults.add(
+          node.parameters.where(kKey),
+          with_code(Code::out_of_bounds,
+                    "node '{}': key '{}': {} channels of {:g} Hz send up to {:.3g} spikes "
+                    "per tick of {}, which need {:.3g} GB; at most {:g} spikes: write a "
+                    "lower {}, fewer channels, or a shorter tick",
+                    node.name, kKey, output.width, rate_hz, spikes, format_time(experiment.tick),
+                    spikes * sizeof(Spike) / 1e9, kMostSpikes, kKey));
+    }
+  }
+}
+
 }  // namespace
 
 Sync sync_named(std::string_view name) {
@@ -378,6 +405,9 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
         NotRun("connections are not checked: the ports of a node of code are known when it runs"));
   }
   resolve_layout(keys, file.joined, experiment, all);
+  if (faults.empty()) {
+    check_spike_rates(experiment, all);
+  }
   expand_reset(experiment);
   if (!overrides.replay) {
     check_episodes(file, experiment, all);

@@ -259,6 +259,12 @@ INSTANTIATE_TEST_SUITE_P(
                    "example  rate_max: 200 Hz [SL0202]",
                    "x.yaml:12:13: unknown node 'encodr'; did you mean 'encoder'? [SL0301]",
                    "x.yaml:12:72: delay '5' has no unit; write 5 ms or 5 ticks [SL0310]"}},
+        WrongFile{"more spikes than memory",
+                  {{"duration: 1 s", "duration: 100 s"},
+                   {"tick: 1 ms", "tick: 100 s"},
+                   {"200 Hz", "1 MHz"}},
+                  {"x.yaml:7:43: node 'encoder': key 'rate_max': 3 channels ... 3e+08 spikes per "
+                   "tick of 100 s ... 4.8 GB ... [SL0203]"}},
         WrongFile{"two faulty connections",
                   {{"-> encoder [3]", "-> encodr [3]"}, {"decoder [3]", "decodr [3]"}},
                   {"x.yaml:12:13: unknown node 'encodr'; did you mean 'encoder'? [SL0301]",
