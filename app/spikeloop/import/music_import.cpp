@@ -121,6 +121,9 @@ class Importer {
     if (const MusicKey* rtf = key_of_clock_master("rtf"); rtf != nullptr && !unpaced) {
       text += fmt::format("real_time_factor: {}\n", rtf->value);
     }
+    if (const std::string policy = common(kOnWriteFailureKey, ""); !policy.empty()) {
+      text += fmt::format("{}: {}\n", kOnWriteFailureKey, policy);
+    }
     if (options_.robot) {
       text += "robot: {simulator: mujoco, world: arena.xml}\n";
     } else if (const int version = common_ros(); version != 0) {

@@ -31,7 +31,8 @@ constexpr std::uint64_t kMostInPlace = 20'000;
 /// What a process needs and an experiment does not, or says once for all.
 constexpr std::string_view kOfProcesses =
     " np binary wd args barrier strict clock_master rtf stoptime music_timestep seed dialect sync "
-    "record stamp_guard accept_latency signal_delay spike_delay threads ports spikes_in "
+    "record on_write_failure stamp_guard accept_latency signal_delay spike_delay threads ports "
+    "spikes_in "
     "spikes_out signals_in signals_out verbose pipeline_ticks host ros ros_arguments "
     "ros_node_name sensor_update_rate master_timeout ";
 
