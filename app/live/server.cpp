@@ -206,7 +206,8 @@ void Server::Impl::handle_input(Connection& connection) {
 void Server::Impl::handle_head(Connection& connection, std::string_view head) {
   const auto request = parse_head(head);
   if (!request) {
-    refuse(connection, 400, "the request is not one of HTTP/1.1 without a body");
+    refuse(connection, 400,
+           "not a valid HTTP/1.1 request, or it has a body; send GET without a body");
     return;
   }
   const bool has_token = is_same_token(request->argument("token"), options.token);
@@ -217,8 +218,7 @@ void Server::Impl::handle_head(Connection& connection, std::string_view head) {
            fmt::format("host '{}' is not a name of this machine; open the printed address", host));
   } else if (!is_allowed_origin(origin, host, has_token)) {
     refuse(connection, 403,
-           fmt::format("origin '{}' is another site, or a file without the token; open the printed "
-                       "address",
+           fmt::format("origin '{}' is not allowed; open the printed address, which has the token",
                        origin));
   } else if (request->headers.contains("upgrade")) {
     upgrade(connection, *request, has_token);
@@ -278,7 +278,7 @@ void Server::Impl::handle_frames(Connection& connection) {
       disconnect(connection, *parsed.error,
                  *parsed.error == CloseCode::too_big
                      ? fmt::format("a message has more than {} bytes", kLargestMessage)
-                     : "a frame is not one of a WebSocket client");
+                     : "invalid WebSocket frame");
     }
     if (!parsed.frame) {
       break;
@@ -298,12 +298,14 @@ void Server::Impl::handle_frame(Connection& connection, const IncomingFrame& fra
     connection.send(frame_header(Opcode::pong, frame.payload.size()));
     connection.send(frame.payload);
     if (connection.own_bytes() > kMostOwnBytes) {
-      disconnect(connection, CloseCode::violated_policy, "pings without reading the answers");
+      disconnect(connection, CloseCode::violated_policy,
+                 "the viewer sends pings but reads no pongs");
     }
   } else if (frame.opcode == Opcode::pong) {
     return;
   } else if (continues != connection.message_begun) {
-    disconnect(connection, CloseCode::protocol_error, "a message is not continued as it began");
+    disconnect(connection, CloseCode::protocol_error,
+               "a continuation frame without a message, or a new message inside an unfinished one");
   } else if (connection.message.size() + frame.payload.size() > kLargestMessage) {
     disconnect(connection, CloseCode::too_big,
                fmt::format("a message has more than {} bytes", kLargestMessage));
@@ -328,7 +330,9 @@ void Server::Impl::take(Connection& connection, std::string_view text) {
     stop_flag.press(*pressed);
   }
   if (++client.waiting_requests > kMostWaitingRequests) {
-    disconnect(connection, CloseCode::violated_policy, "requests come faster than their answers");
+    disconnect(
+        connection, CloseCode::violated_policy,
+        fmt::format("more than {} requests of the viewer are unanswered", kMostWaitingRequests));
   } else {
     requests.push_back({connection.shared_client(), std::move(message)});
   }

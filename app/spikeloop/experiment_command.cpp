@@ -423,8 +423,8 @@ int use_experiment(const std::string& file, const std::function<int(const Experi
     return exit_code;
   }
   put(stderr,
-      fmt::format("spikeloop: {} is not used: what it describes is known when its code runs; leave "
-                  "--no-code out for a file that you trust\n",
+      fmt::format("spikeloop: {} is not processed: it needs Python code, which --no-code does not "
+                  "run; leave out --no-code if you trust the file\n",
                   file));
   return kWarningsOnly;
 }

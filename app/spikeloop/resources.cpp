@@ -80,7 +80,11 @@ Resource shared_memory(const std::string& directory, const RunNeeds& needs) {
   std::error_code error;
   const auto space = std::filesystem::space(directory, error);
   const double need_MB = shared_memory_need_MB(needs);
-  if (error || space.capacity == 0) {  // a tmpfs without a limit
+  if (error) {
+    return {true, fmt::format("the free space of {} is unknown ({})", directory, error.message()),
+            ""};
+  }
+  if (space.capacity == 0) {  // tmpfs without a limit
     return {true, fmt::format("{} has no limit", directory), ""};
   }
   const double free_MB = megabytes(space.available);

@@ -267,7 +267,8 @@ class RunFolder:
         """The robot's world as written by the robot: arena, obstacles, lamps, goals, lanes, in metres."""
         world = self._json("world.json", "arena and obstacles are not drawn")
         if fault := _fault_of_world(world):
-            raise RunFolderError(f"'{self.path / 'world.json'}' is damaged: {fault}; arena and obstacles are not drawn")
+            raise RunFolderError(f"'{self.path / 'world.json'}' is damaged: invalid or too large value in '{fault}'; "
+                                 "arena and obstacles are not drawn")
         return world
 
     def summary(self):

@@ -53,7 +53,7 @@ def main():
             assert word in answer.text, answer.text
         for words in (["graph", "--no-code"], ["export", "--out", "job", "--no-code"]):
             answer = Answer(SPIKELOOP, *words, "it.yaml", cwd=folder)
-            answer.refused("plug-in 'plugin.py' is code", "it.yaml is not used", "leave --no-code out")
+            answer.refused("plug-in 'plugin.py' is code", "it.yaml is not processed", "leave out --no-code")
             assert answer.code == 2, answer.text
         answer = Answer(SPIKELOOP, "export", "--no-code", "it.music", cwd=folder)
         assert "brain.py' is code" in answer.text, answer.text

@@ -185,7 +185,8 @@ class ErrorTest(Folder):
                 ("lanes", {"lanes": [{**box, "half_x_m": None}]}), ("goals", {"goals": [{**box, "shape": []}]}),
                 ("goals", {"goals": [{**box, "theta_rad": "0"}]}), ("lamps", {"lamps": [{"x_m": 1}]})):
             (self.folder / "world.json").write_text(json.dumps(world))
-            self.says(run.world, f"'FOLDER/world.json' is damaged: {fault}; arena and obstacles are not drawn")
+            self.says(run.world, f"'FOLDER/world.json' is damaged: invalid or too large value in '{fault}'; "
+                                 "arena and obstacles are not drawn")
         world = {"arena": arena, "obstacles": [box], "lamps": [{"x_m": 1, "y_m": 1}]}
         (self.folder / "world.json").write_text(json.dumps(world))
         self.assertEqual(run.world(), world)

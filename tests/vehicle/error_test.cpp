@@ -122,7 +122,8 @@ TEST(WorldErrors, AJointWithoutAWheel) {
 
 TEST(WorldErrors, ATimestepTooLong) {
   EXPECT_EQ(complaint_of_vehicle("timestep=\"0.002\"", "timestep=\"0.05\""),
-            "has a timestep of 0.05 s; write <option timestep=\"0.002\"/>, at most 0.01 [SL0801]");
+            "has a timestep of 0.05 s; write a timestep from 1e-6 to 0.01 s, such as "
+            "<option timestep=\"0.002\"/> [SL0801]");
 }
 
 TEST(WorldErrors, WithoutAFloor) {
@@ -163,16 +164,17 @@ TEST(WorldErrors, NumbersOutOfRangeNameTheLine) {
   const auto body = [&](const std::string& element, const std::string& text) {
     refuses(kArena + kStart, "<!-- size=\"1e300\" -->\n" + element, "7", text + " [SL0203]");
   };
-  body("<geom size=\"1e300\"/>", "<geom>: size=\"1e300\" ... at most 1000000");
-  body("<body pos='0 0 -inf'/>", "<body>: pos=\"-inf\" ... at most 1000000");
-  body("<composite count='3 2000 1'/>", "<composite>: count=\"2000\" ... at most 1000");
+  body("<geom size=\"1e300\"/>", "<geom>: size=\"1e300\" ... from -1000000 to 1000000");
+  body("<body pos='0 0 -inf'/>", "<body>: pos=\"-inf\" ... from -1000000 to 1000000");
+  body("<composite count='3 2000 1'/>", "<composite>: count=\"2000\" ... from -1000 to 1000");
 }
 
 TEST(WorldErrors, CountsThatAreMemoryOrLoops) {
   const auto refuses = [](const std::string& part, const std::string& attribute) {
     const World world("<mujoco>\n" + part + "\n</mujoco>");
-    EXPECT_THAT(message<ConfigurationError>(world.path()),
-                Fault(world.path() + ":2: ... " + attribute + " ... write at most ... [SL0203]"));
+    EXPECT_THAT(
+        message<ConfigurationError>(world.path()),
+        Fault(world.path() + ":2: ... " + attribute + " ... write a number from ... [SL0203]"));
   };
   refuses("<asset><hfield name='h' nrow='1000000000' ncol='9'/></asset>", "nrow=\"1000000000\"");
   refuses("<asset><texture type='2d' width='2e9' height='2'/></asset>", "width=\"2e9\"");

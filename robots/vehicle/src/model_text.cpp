@@ -130,10 +130,11 @@ void check_attribute(const std::string& path, const Attribute& attribute) {
   if (bound == std::end(kBounds)) return;
   for_each_number(attribute.value, [&](const std::string& word, double value) {
     if (!(std::abs(value) <= bound->most)) {
-      throw ConfigurationError(
-          Location{path, attribute.line},
-          with_code(Code::out_of_bounds, "<{}>: {}=\"{}\" is out of range; write at most {:.10g}",
-                    attribute.element, attribute.name, word, bound->most));
+      throw ConfigurationError(Location{path, attribute.line},
+                               with_code(Code::out_of_bounds,
+                                         "<{0}>: {1}=\"{2}\" is out of range; write a number from "
+                                         "-{3:.10g} to {3:.10g}",
+                                         attribute.element, attribute.name, word, bound->most));
     }
   });
 }

@@ -22,7 +22,8 @@ TimeNs read_timestep(const mjModel& model, const std::string& path, double longe
   if (!(seconds >= 1e-6 && seconds <= longest)) {
     throw ConfigurationError(
         where(), with_code(Code::world,
-                           "has a timestep of {} s; write <option timestep=\"0.002\"/>, at most {}",
+                           "has a timestep of {} s; write a timestep from 1e-6 to {} s, such as "
+                           "<option timestep=\"0.002\"/>",
                            seconds, longest));
   }
   try {
