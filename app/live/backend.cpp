@@ -23,7 +23,7 @@ constexpr TimeNs kLookPeriod = kNsPerSecond / 20;
 constexpr TimeNs kLossPeriod = kNsPerSecond;
 constexpr std::chrono::seconds kAfterError{1};
 constexpr std::size_t kPieceBytes = std::size_t{64} << 10;
-constexpr std::size_t kTransferBytes = std::size_t{1} << 20;  // that wait for one client
+constexpr std::size_t kTransferBytes = std::size_t{1} << 20;  // queued for one client
 /// The run has the processor first.
 constexpr int kNice = 10;
 
@@ -68,9 +68,9 @@ void Backend::run() {
     try {
       make_round();
     } catch (const std::exception& error) {
-      // The robot can still be stopped, which is what the other thread is for.
-      log_line(
-          fmt::format("the live view shows nothing for a second: {}; STOP works", error.what()));
+      // The other thread still handles STOP.
+      log_line(fmt::format("the live view pauses for 1 s after an error: {}; STOP still works",
+                           error.what()));
       std::this_thread::sleep_for(kAfterError);
     }
     wake_();
@@ -171,7 +171,7 @@ void Backend::look() {
   advertised_ = channels;
 }
 
-/// Another time of a recording: new data are unrelated to what the viewers have.
+/// After a jump in a recording: viewers discard old data.
 void Backend::reset_viewers() {
   const std::uint32_t now = hub_.beginnings();
   if (now == beginnings_) {

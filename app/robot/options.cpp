@@ -137,7 +137,7 @@ void declare(CLI::App& app, RunOptions& options, ModelWords& model) {
          [&options](const std::string& choice) {
            options.on_write_failure = on_write_failure_of(choice);
          },
-         "If such a file cannot be written: stop (default) or continue")
+         "If a file in --out cannot be written: stop (default) or continue")
       ->check(CLI::IsMember(on_write_failure_choices()));
   app.add_option("--topic-prefix", options.topic_prefix,
                  "Prefix of topics without leading '/'; default: the node's namespace");

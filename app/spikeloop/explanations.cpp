@@ -215,7 +215,8 @@ constexpr Explanation kExplanations[] = {
 
     {Code::resource, "This machine has too little of a resource for the run",
      "Shared memory, open files, address space or participants of a ROS 2 domain. Programs would "
-     "crash or hang during the run. The message has the need and the remedy; `spikeloop doctor` "
+     "crash or hang during the run. The message names the requirement and the remedy; `spikeloop "
+     "doctor` "
      "lists all resources."},
 
     {Code::no_ros_master, "No ROS master answers",

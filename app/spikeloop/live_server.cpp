@@ -60,8 +60,8 @@ void add_address_options(CLI::App& command, LiveOptions& options) {
       ->capture_default_str();
   command
       .add_option("--live-host", options.host,
-                  "Address of this machine for viewers on others, such as 0.0.0.0; all can watch "
-                  "and stop the robot, those with the printed URL can control the run")
+                  "IPv4 address to listen at; 0.0.0.0: all. Every viewer can watch and press STOP; "
+                  "control needs the printed URL")
       ->capture_default_str();
 }
 
@@ -111,8 +111,8 @@ void LiveServer::watch(bool recording) {
   }
 }
 
-/// The robot is driven on, but nobody can stop it by the page. Returns false after the server's
-/// end.
+/// Warns if STOP has no effect because the server has ended or is stopped. Returns false if it has
+/// ended.
 bool LiveServer::warn_if_lost() {
   if (server_->gone()) {
     log::warning(

@@ -106,9 +106,11 @@ Resource open_files(const RunNeeds& needs) {
   const std::size_t need =
       needs.mpi ? kMpirunFiles + kFilesPerProgram * needs.programs : kFilesWithoutMpirun;
   const rlim_t limit = limit_of(RLIMIT_NOFILE);
-  const std::string has = limit == RLIM_INFINITY ? "no limit" : fmt::format("a limit of {}", limit);
-  const std::string text = fmt::format("open files have {}, and a job of {} needs {}", has,
-                                       count_of(needs.programs, "program"), need);
+  const std::string has = limit == RLIM_INFINITY
+                              ? "the number of open files has no limit"
+                              : fmt::format("the limit of open files is {}", limit);
+  const std::string text =
+      fmt::format("{}, and a job of {} needs {}", has, count_of(needs.programs, "program"), need);
   return {limit >= need, text, limit >= need ? "" : fmt::format("write  ulimit -n {}", need)};
 }
 
@@ -119,10 +121,10 @@ Resource address_space(const RunNeeds& needs) {
   const rlim_t limit = limit_of(RLIMIT_AS);
   const bool enough = limit == RLIM_INFINITY || megabytes(limit) >= need_MB;
   const std::string has = limit == RLIM_INFINITY
-                              ? "no limit"
-                              : fmt::format("a limit of {:.0f} MB", std::floor(megabytes(limit)));
-  return {enough,
-          fmt::format("address space has {}, and each program needs up to {:.0f} MB", has, need_MB),
+                              ? "the address space has no limit"
+                              : fmt::format("the limit of the address space is {:.0f} MB",
+                                            std::floor(megabytes(limit)));
+  return {enough, fmt::format("{}, and each program needs up to {:.0f} MB", has, need_MB),
           enough ? "" : "write  ulimit -v unlimited"};
 }
 

@@ -46,10 +46,9 @@ std::vector<ParameterDescription> experiment_parameters() {
        .type = ParameterType::choice,
        .default_value = "stop",
        .choices = on_write_failure_choices(),
-       .text =
-           "What follows if a file of the run cannot be written, because the disk is full or "
-           "the run folder was deleted. stop: the robot is stopped, and the run ends; continue: "
-           "a warning, and the run goes on without the file"},
+       .text = "Reaction to a file that cannot be written (full disk, deleted run folder). stop: "
+               "stop the robot and end the run; continue: print a warning and continue without the "
+               "file"},
       {.name = "ros",
        .type = ParameterType::choice,
        .default_value = "none",

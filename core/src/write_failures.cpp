@@ -53,7 +53,7 @@ void WriteFailures::check(OnWriteFailure policy) {
     throw FileError(text());
   }
   if (!warned_.exchange(true)) {
-    log::warning("{}", lengthened(text(), "; the run continues without recording it"));
+    log::warning("{}", lengthened(text(), "; the run continues without the incomplete files"));
   }
 }
 

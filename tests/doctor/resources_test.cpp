@@ -51,7 +51,7 @@ TEST(Resources, OpenFilesDependOnTheNumberOfPrograms) {
   EXPECT_TRUE(open_files({.programs = 6}).enough);
   const Resource seven = open_files({.programs = 7});
   EXPECT_FALSE(seven.enough);
-  EXPECT_EQ(seven.text, "open files have a limit of 51, and a job of 7 programs needs 55");
+  EXPECT_EQ(seven.text, "the limit of open files is 51, and a job of 7 programs needs 55");
   EXPECT_EQ(seven.remedy, "write  ulimit -n 55");
   EXPECT_TRUE(open_files({.mpi = false}).enough);
   EXPECT_THROW(require_resources({.programs = 7}), TransportError);
@@ -63,7 +63,7 @@ TEST(Resources, AddressSpaceDependsOnRos2) {
   const Resource over_ros = address_space({.programs = 2, .participants = 1});
   EXPECT_FALSE(over_ros.enough);
   EXPECT_EQ(over_ros.text,
-            "address space has a limit of 600 MB, and each program needs up to 970 MB");
+            "the limit of the address space is 600 MB, and each program needs up to 970 MB");
   EXPECT_EQ(over_ros.remedy, "write  ulimit -v unlimited");
   EXPECT_TRUE(address_space({.mpi = false}).enough);
 }

@@ -288,7 +288,8 @@ TEST_F(LinkTest, a_guard_that_refuses) {
   refusal.fields["reason"] = "no ROS master";
   send_packet(socket.get(), refusal);
   adapter.join();
-  EXPECT_THAT(said_, ElementsAre(std::string("the guard refuses: no ROS master") + kAlone));
+  EXPECT_THAT(said_,
+              ElementsAre(std::string("the guard refuses this adapter: no ROS master") + kAlone));
 }
 
 TEST_F(LinkTest, a_guard_that_ends_before_it_answers) {
@@ -335,8 +336,8 @@ TEST_F(LinkTest, a_message_that_is_too_large) {
   Hello hello = example();
   hello.zero.resize(64u << 20);
   const Link link(hello);
-  EXPECT_THAT(said_, ElementsAre(std::string("the guard could not be told about /cmd_vel (Message "
-                                             "too long)") +
+  EXPECT_THAT(said_, ElementsAre(std::string("cannot register /cmd_vel with the guard (Message too "
+                                             "long)") +
                                  kAlone));
 }
 

@@ -77,7 +77,7 @@ TEST_F(GuardErrorTest, no_master) {
   const guard::Link link(hello(uri));
   EXPECT_THAT(
       said_,
-      ElementsAre(Fault("the guard refuses: ... " + uri +
+      ElementsAre(Fault("the guard refuses this adapter: ... " + uri +
                         " ... 3 s (Connection refused) ... ROS_MASTER_URI ... [SL0701]" + kAlone)));
 }
 
@@ -96,7 +96,8 @@ TEST_F(GuardErrorTest, unknown_type) {
   auto strange = hello(core.uri());
   strange.message_type = "geometry_msgs/Twits";
   const guard::Link link(strange);
-  EXPECT_THAT(said_, ElementsAre(HasSubstr("the guard refuses: unknown message type")));
+  EXPECT_THAT(said_,
+              ElementsAre(HasSubstr("the guard refuses this adapter: unknown message type")));
 }
 
 TEST_F(GuardErrorTest, another_version) {
@@ -104,9 +105,11 @@ TEST_F(GuardErrorTest, another_version) {
   auto strange = hello("http://localhost:1");
   strange.protocol = guard::kProtocol + 1;
   const guard::Link link(strange);
-  EXPECT_THAT(said_, ElementsAre(std::string("the guard refuses: guard and command adapter are of "
-                                             "different versions of Spikeloop; use those of one") +
-                                 kAlone));
+  EXPECT_THAT(
+      said_,
+      ElementsAre(std::string("the guard refuses this adapter: guard and command "
+                              "adapter are of different versions of Spikeloop; use those of one") +
+                  kAlone));
 }
 
 TEST_F(GuardErrorTest, a_second_master) {
@@ -116,9 +119,10 @@ TEST_F(GuardErrorTest, a_second_master) {
   const guard::Link good(hello(first.uri()));
   EXPECT_TRUE(good.guarded()) << testing::PrintToString(said_);
   const guard::Link other(hello(second.uri()));
-  EXPECT_THAT(said_, ElementsAre("the guard refuses: it meets robots at ROS_MASTER_URI=" +
-                                 first.uri() + ", not at ROS_MASTER_URI=" + second.uri() +
-                                 "; start another guard for this one" + kAlone));
+  EXPECT_THAT(said_,
+              ElementsAre("the guard refuses this adapter: it meets robots at ROS_MASTER_URI=" +
+                          first.uri() + ", not at ROS_MASTER_URI=" + second.uri() +
+                          "; start another guard for this one" + kAlone));
 }
 
 TEST_F(GuardErrorTest, paths_that_cannot_be_sockets) {

@@ -272,9 +272,9 @@ TEST_F(GuardTest, mpirun_stopped) {
   kill(mpirun, SIGSTOP);
   expect_zero_since(begin, "mpirun stopped");
   EXPECT_TRUE(child_->wait_for(
-      fmt::format("spikeloop: warning: mpirun (process {}) has been stopped (SIGSTOP); the robot "
-                  "is stopped until it continues: kill -CONT {}",
-                  mpirun, mpirun),
+      fmt::format("spikeloop: warning: process {0} (mpirun) has been stopped (SIGSTOP); the robot "
+                  "is stopped until it continues:  kill -CONT {0}",
+                  mpirun),
       std::chrono::seconds(10)))
       << child_->output();
   child_->signal(SIGINT);

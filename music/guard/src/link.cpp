@@ -75,8 +75,7 @@ bool Link::connect(TimeNs now, Lines& lines) {
     return false;
   }
   if (const int error = send_packet(socket_.get(), to_packet(hello_)); error != 0) {
-    lose(fmt::format("the guard could not be told about {} ({})", hello_.topic,
-                     std::strerror(error)),
+    lose(fmt::format("cannot register {} with the guard ({})", hello_.topic, std::strerror(error)),
          now, lines);
     return false;
   }
@@ -107,7 +106,7 @@ void Link::take(const Received& news, TimeNs now, Lines& lines) {
   } else if (type == "reaches") {
     reaches_.store(true);
   } else if (type == "refused") {
-    lose("the guard refuses: " + text_of(news.packet, "reason"), now, lines);
+    lose("the guard refuses this adapter: " + text_of(news.packet, "reason"), now, lines);
     leave(State::off);
   }
   guarded_.store(state_ == State::accepted);
@@ -156,7 +155,8 @@ TimeNs Link::beat(TimeNs now) {
     }
     if (state_ == State::accepted) {
       check_silence(now, lines);
-      // A guard that is late has enough beats to read, and one that has ended is noticed above.
+      // Ignore errors: with a full socket the guard still has beats to read, and read() above
+      // detects a guard that has ended.
       send_packet(socket_.get(), make_packet("beat"));
     }
     if (state_ == State::off) {

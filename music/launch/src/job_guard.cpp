@@ -1,5 +1,4 @@
-// What stops the robot when a command adapter or its launcher cannot: the guard, and the beats by
-// which adapters know that their job is supervised.
+// Starts and supervises the guard, and warns of stopped processes.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -20,11 +19,11 @@ namespace {
 
 constexpr const char* kUnguarded =
     "nothing stops the robot when its command adapter is killed or stopped";
-/// A guard that cannot run ends again and again.
+/// Limit for a guard that ends after every start.
 constexpr int kMostRestarts = 5;
-/// Adapters look every 20 ms whether the run is suspended.
+/// Adapters check every 20 ms whether the run is suspended.
 constexpr std::chrono::milliseconds kSuspendGrace{100};
-/// A longer turn of the launcher's loop is a pause: SIGSTOP, Ctrl-Z, a suspended machine.
+/// A longer turn of the launcher's loop counts as a pause: SIGSTOP, Ctrl-Z or a suspended machine.
 constexpr std::chrono::seconds kLongestTurn{2};
 
 bool commands_robot(const MusicFile& file) {
@@ -112,12 +111,9 @@ void JobRun::warn_of_stopped_process() {
   const pid_t stopped = supervision_ ? supervision_->stopped_process() : 0;
   if (stopped != 0 && stopped != reported_stopped_) {
     log::warning(
-        "{} (process {}) has been stopped (SIGSTOP); the robot is stopped until it continues: "
-        "kill -CONT {}",
-        stopped == mpirun_->tree().pid()
-            ? starter()
-            : fmt::format("{}, which supervises the programs of the job,", kSubreaperName),
-        stopped, stopped);
+        "process {0} ({1}) has been stopped (SIGSTOP); the robot is stopped until it continues:  "
+        "kill -CONT {0}",
+        stopped, stopped == mpirun_->tree().pid() ? starter() : kSubreaperName);
   }
   reported_stopped_ = stopped;
 }

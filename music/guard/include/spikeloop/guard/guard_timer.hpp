@@ -14,8 +14,8 @@ inline constexpr TimeNs kBeatPeriod = 20'000'000;
 /// beats may be that late on a busy machine.
 inline constexpr TimeNs kMargin = 100'000'000;
 
-/// Wall time without a beat of an adapter with this watchdog, or of its launcher, after which the
-/// robot is stopped.
+/// Longest wall time between two beats of an adapter with this watchdog, or of its launcher. Then
+/// the robot is stopped.
 TimeNs deadline_for(TimeNs watchdog);
 
 /// Wall time between two beats of a guard to an adapter, and to the launcher.
