@@ -21,7 +21,7 @@ constexpr TimeNs kLook = 5'000'000;
 
 /// An adapter sends its hello as soon as it is connected.
 constexpr TimeNs kIntroduction = 2 * kNsPerSecond;
-/// The timer is asked after so many packets, however fast they come.
+/// Packets per turn, so that a flood does not delay the timer.
 constexpr int kMostAtOnce = 100;
 
 Descriptor make_event() {

@@ -23,7 +23,7 @@ constexpr int kBacklog = 64;
 constexpr int kBeatMs = kGuardBeatPeriod / 1'000'000;
 /// Each adapter takes a thread and two descriptors. Others wait until one of them has ended.
 constexpr std::size_t kMostAdapters = 64;
-/// Without descriptors the next adapter cannot be accepted, and would always be ready.
+/// Pause if no descriptor is free: the pending connection would make poll() return at once.
 constexpr std::chrono::milliseconds kShortage{20};
 
 Descriptor make_socket() {

@@ -32,16 +32,17 @@ constexpr hsize_t kSpareBytes = 65'536;  // object headers, attributes
 constexpr std::size_t kMostBatchBytes = std::size_t{2} << 20;
 constexpr std::size_t kLeastBatchBytes = std::size_t{1} << 16;
 constexpr std::size_t kAllBatchBytes = std::size_t{8} << 20;
-/// HDF5's cache of metadata, per file. A node of the index of chunks counts as 2 kB and takes 25
-/// kB.
+/// Size of HDF5's metadata cache, per file. HDF5 counts a node of the chunk index as 2 kB, but
+/// allocates 25 kB.
 constexpr std::size_t kMetadataBytes = std::size_t{1} << 15;
-/// Buffers of wide streams hold fewer rows than others, but those of this much simulated time.
+/// Buffers of wide streams are limited to kWideBufferBytes, but hold at least kLeastBuffered of
+/// simulated time unless the recorder is patient.
 constexpr std::size_t kWideBufferBytes = std::size_t{64} << 20;
 constexpr std::size_t kMostBufferBytes = std::size_t{4} << 30;
 constexpr TimeNs kLeastBuffered = kNsPerSecond / 10;
 constexpr std::size_t kLeastRows = 4;
 
-/// By default the cache grows to 32 MB per file, with the index of the data.
+/// Limits the metadata cache, which would grow to 32 MB per file with the chunk index.
 void bound_metadata(const hdf5::Handle& access) {
   H5AC_cache_config_t cache{};
   cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;

@@ -28,15 +28,16 @@ class Stream {
   const std::string& name() const { return name_; }
   std::uint32_t width() const { return width_; }
   hid_t group() const { return group_.get(); }
-  /// Moves waiting loops and the writer to action; null for a stream without a writer.
+  /// Sets the semaphore that wakes the writer when the ring is half full or a patient loop waits.
+  /// Null for a stream without a writer.
   void wake_by(std::shared_ptr<Wake> wake) { wake_ = std::move(wake); }
 
   /// Loop's thread: appends what the step brought. Waits only when it is patient.
   virtual void take(const Step& step) = 0;
-  /// Loop's thread or any: what did not get through so far.
+  /// Any thread: number of spikes or rows dropped so far.
   std::uint64_t dropped() const { return overflow_.load() + lost_.load(); }
 
-  /// Writer's thread: moves what waits in the ring to the batch.
+  /// Writer's thread: moves the contents of the ring to the batch.
   void collect();
   std::size_t batch_bytes() const;
   virtual std::size_t batch_items() const = 0;
@@ -46,14 +47,14 @@ class Stream {
   /// are open only meanwhile: HDF5 visits every open dataset of the process whenever it flushes a
   /// file, and each has a cache. @throws FileError; then abandon() must follow.
   void write(hid_t file);
-  /// Writer's thread, HDF5 locked: the count beside the data. @throws FileError, as write().
+  /// Writer's thread, HDF5 locked: updates the attribute `dropped`. @throws FileError, as write().
   void write_dropped(hid_t file);
   /// Writer's thread: the batch is on the disk, or it never will be.
   void keep_batch();
   void lose_batch();
   /// Any thread: from now on take() only counts.
   void shut() { shut_.store(true); }
-  /// HDF5 locked: leaves open what a failed write has open in the file.
+  /// HDF5 locked: leaks the handles of a failed write, because closing them would crash HDF5.
   void abandon();
 
   std::uint64_t written() const { return written_; }

@@ -65,7 +65,7 @@ class JobRun {
   void watch_failures();
   void watch_deaths();
   void watch_robot();
-  /// Also the supervision that adapters see.
+  /// Starts the guard and the thread whose beats the adapters read.
   void start_guard();
   void make_guard();
   /// Starts another one in place of a guard that has ended or hangs.
@@ -80,7 +80,7 @@ class JobRun {
   void signal_programs(int number);
   /// Deadlines do not include the time for which this process was stopped.
   void allow_for_pause();
-  /// For the last line, when an adapter has died and nobody has stopped its robot; else empty.
+  /// Text for the last line if a robot was left driving. Empty otherwise.
   std::string unstopped_robot() const;
   bool robot_ended() const;
   /// The job's, when the robot ended too early with `code`: an end that was good for the robot is
@@ -109,11 +109,11 @@ class JobRun {
   Process* rosmaster_ = nullptr;
   Process* robot_ = nullptr;
   Process* mpirun_ = nullptr;
-  std::unique_ptr<SupervisionThread> supervision_;  ///< none without a robot
+  std::unique_ptr<SupervisionThread> supervision_;  ///< null without a robot
   std::unique_ptr<GuardProcess> guard_;
   int guard_restarts_ = 0;
   int stopped_by_guard_ = 0;        ///< robots whose adapters had died
-  pid_t reported_stopped_ = 0;      ///< by warn_of_stopped_process()
+  pid_t reported_stopped_ = 0;      ///< last result of warn_of_stopped_process(); 0: none
   Clock::time_point turned_{};      ///< begin of the newest turn of supervise()
   std::optional<Failure> outcome_;  ///< none while all is well
   int stop_signals_ = 0;

@@ -20,7 +20,8 @@ using nlohmann::json;
 /// A clock lets the process tick more often than that.
 constexpr std::chrono::seconds kLongWait{1};
 
-/// Processes that are no sections, as the robot; messages of more are ignored.
+/// Limit of processes that are not sections, such as the robot. Messages of further ones are
+/// ignored.
 constexpr std::size_t kMostOthers = 100;
 
 /// What ssh's own messages begin with.

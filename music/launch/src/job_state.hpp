@@ -70,7 +70,7 @@ class JobState {
   std::string who_stands_still(Clock::duration longest, Clock::time_point now = Clock::now()) const;
   /// Who has left its loop before its time; empty: nobody.
   std::string who_ended_early() const;
-  /// Moves the times of all messages: nobody could read any for this time.
+  /// Adds the pause to the arrival times of all messages: none was read during the pause.
   void allow_for_pause(Clock::duration pause);
   /// Everybody whose report we expect has sent it.
   bool all_reported() const;

@@ -5,7 +5,7 @@
 namespace spikeloop::launch {
 namespace {
 
-/// Signals and output have their turn, however fast messages come.
+/// Messages per turn, so that a flood does not delay signals and output.
 constexpr int kMostMessages = 1000;
 
 /// At most 1 MB, so that one program's output does not keep the others waiting. Returns false at

@@ -185,8 +185,8 @@ std::string meeting_nobody() {
 /// of a node by the hash of its key alone; without it the node stays in the graph until its lease
 /// ends. A publisher on Fast DDS that leaves 100 ms after its only message (`ros2 topic pub
 /// --once`) would be gone before a missing message is asked for again, by default after 100 ms and
-/// 3 s. A thread that receives from one socket only is woken at its end by a packet to that socket,
-/// and not at all without a network; a thread for all sockets has a pipe.
+/// 3 s. MultipleReceiveThreads is false: at shutdown Cyclone DDS wakes a per-socket thread by a
+/// packet, which fails without a network, but the common thread by a pipe.
 constexpr const char* kDelivery =
     "<Internal><Watermarks><WhcAdaptive>false</WhcAdaptive><WhcHighInit>1 GB</WhcHighInit>"
     "<WhcHigh>1 GB</WhcHigh></Watermarks>"
