@@ -134,7 +134,7 @@ int run_experiment(const experiment::Experiment& experiment, music::Process& pro
     if (result.exit_code != 0) {
       transport.rosout().error(result.reason);
     }
-    // Before ROS is left, which may hang.
+    // Report before the ROS session closes: closing may hang.
     return status::end_in_time(report(result, process, others));
   });
 }

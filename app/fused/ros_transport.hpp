@@ -18,10 +18,10 @@ namespace spikeloop {
 
 class RosTransport : public fused::Transport {
  public:
-  /// @param process whose node this is
-  /// @param ros_arguments as read_ros_arguments() takes them
-  /// @param folder where the path of a robot that is not ours is written; empty: nowhere
-  /// @param failures of the files in `folder`
+  /// @param process name of the process
+  /// @param ros_arguments arguments in the format of read_ros_arguments()
+  /// @param folder folder for the path of a robot that we do not simulate. Empty: no file
+  /// @param failures failed writes of the files in `folder`
   /// @throws TransportError without a ROS master.
   RosTransport(const experiment::Experiment& experiment, const std::string& process,
                const std::string& ros_arguments, const std::string& folder, WriteFailures& failures,

@@ -10,8 +10,8 @@ namespace spikeloop::view {
 
 inline constexpr const char* kStopParameter = "run.stop";
 
-/// True if the header Host names this machine: by an address, as localhost, or by its name. Pages
-/// of another site whose name was made to point to this machine send that name.
+/// True if the header Host names this machine: by an address, as localhost, or by its name.
+/// Protects against DNS rebinding: a page of another site sends its own host name.
 bool is_our_host(std::string_view host, std::string_view machine);
 
 /// True if the request comes from this server's page, from a program that is no browser, or, with

@@ -17,7 +17,7 @@ class Connection {
     request,   ///< waits for a request
     response,  ///< sends a file
     viewer,    ///< WebSocket
-    closing    ///< what waits is sent, what arrives is discarded
+    closing    ///< sends queued bytes, discards input
   };
 
   Connection(Accepted accepted, TimeNs now);
@@ -41,9 +41,9 @@ class Connection {
   /// Reads at most 4 KB. False if the client has closed the connection.
   bool receive(TimeNs now);
   /// Sends at most 64 KB: own bytes first, then frames of the client. False if the connection has
-  /// failed, or is closed by the thread of the data.
+  /// failed, or Backend has closed the outbox.
   bool write(TimeNs now);
-  /// True if bytes wait and the client has taken none for that long.
+  /// True if bytes are queued and the client has received none for `patience`.
   bool lags(TimeNs now, TimeNs patience);
   bool wants_to_receive() const;
   bool wants_to_write() const;
@@ -59,7 +59,7 @@ class Connection {
   bool is_dropped() const { return is_dropped_; }
 
   std::string input;           ///< received, and not yet handled
-  std::string message;         ///< of a viewer, from the frames so far
+  std::string message;         ///< payloads of the viewer's unfinished message
   bool message_begun = false;  ///< True between the first frame of a message and its last one
   bool message_is_text = false;
   int budget = 0;  ///< frames that are handled before the next period

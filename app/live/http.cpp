@@ -16,7 +16,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
 }
 
-/// The text before the first separator, which are removed from `rest`.
+/// Returns the text before the first separator. Removes both from `rest`.
 std::string_view take_until(std::string_view& rest, std::string_view separator) {
   const std::size_t at = rest.find(separator);
   const std::string_view before = rest.substr(0, at);

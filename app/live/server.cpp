@@ -31,14 +31,14 @@ using State = Connection::State;
 
 constexpr int kPeriod_ms = 10;
 constexpr TimeNs kPeriod = kPeriod_ms * 1'000'000;
-constexpr int kFramesPerPeriod = 16;  // of one viewer
+constexpr int kFramesPerPeriod = 16;  // handled per viewer
 constexpr int kAcceptsPerTurn = 8;
 constexpr std::size_t kLargestHead = std::size_t{8} << 10;      // bytes
-constexpr std::size_t kLargestMessage = std::size_t{16} << 10;  // bytes, of a viewer
-constexpr std::size_t kMostOwnBytes = std::size_t{64} << 10;    // pongs of one viewer
-constexpr unsigned kMostWaitingRequests = 500;                  // of one viewer
+constexpr std::size_t kLargestMessage = std::size_t{16} << 10;  // bytes, from a viewer
+constexpr std::size_t kMostOwnBytes = std::size_t{64} << 10;    // queued pongs per viewer
+constexpr unsigned kMostWaitingRequests = 500;                  // per viewer
 
-// Connections that are no viewers make room for new ones. Viewers stay.
+// Connections other than viewers are closed to make room.
 constexpr std::size_t kMostRequests = 64;
 constexpr std::size_t kMostRequestsPerAddress = 32;
 constexpr std::size_t kMostViewers = 64;  // without the token
@@ -52,7 +52,7 @@ constexpr TimeNs kClosePatience = kNsPerSecond;
 constexpr TimeNs kPingAfter = 10 * kNsPerSecond;
 constexpr TimeNs kSilencePatience = 20 * kNsPerSecond;
 constexpr TimeNs kLogPeriod = kNsPerSecond;
-/// For frames that wait when the run is over.
+/// Time for sending queued frames after the end of the run.
 constexpr TimeNs kLastWords = kNsPerSecond / 2;
 
 constexpr int kDeepest = 8;  // level of a message's values; deeper ones are left out

@@ -1,6 +1,6 @@
 #include "websocket.hpp"
 
-// It uses the integer types without including them.
+// <sha1.h> needs these types, but does not include them.
 #include <sys/types.h>
 
 #include <sha1.h>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kShortPayload = 125;  // largest size in the second byte of a header
 constexpr unsigned char kSize16 = 126;      // the size is in the next two bytes
-constexpr unsigned char kSize64 = 127;      // in the next eight
+constexpr unsigned char kSize64 = 127;      // the size is in the next eight bytes
 constexpr unsigned char kLast = 0x80;
 constexpr unsigned char kReserved = 0x70;
 constexpr unsigned char kMasked = 0x80;

@@ -23,7 +23,7 @@ class Changes {
   /// The changes of a run that is repeated, up to the graph's time. @throws Error as
   /// Graph::change().
   void repeat(const std::function<void(const experiment::Change&)>& made);
-  /// From the graph's time on. @throws NodeError.
+  /// Applies the change at the current time of the graph. @throws NodeError.
   void make(const experiment::Change& change);
 
  private:

@@ -32,7 +32,7 @@ int open_folder(const std::string& path) {
 }
 
 /// True if the open folder is still the one at `path`: another run may have removed it.
-bool is_at(int folder, const std::string& path) {
+bool is_same_folder(int folder, const std::string& path) {
   struct stat open {};
   struct stat named {};
   return fstat(folder, &open) == 0 && lstat(path.c_str(), &named) == 0 &&
@@ -76,7 +76,7 @@ Descriptor lock_folder(const std::string& path) {
   if (folder.get() < 0 || flock(folder.get(), LOCK_EX) != 0) {
     throw FileError("lock the folder", path, errno);
   }
-  if (!is_at(folder.get(), path)) {
+  if (!is_same_folder(folder.get(), path)) {
     folder.reset();
   }
   return folder;
@@ -87,7 +87,7 @@ void remove_if_abandoned(const std::string& path) {
   const Descriptor folder{open_folder(path)};
   struct stat status {};
   if (fstat(folder.get(), &status) == 0 && status.st_uid == geteuid() &&
-      flock(folder.get(), LOCK_EX | LOCK_NB) == 0 && is_at(folder.get(), path)) {
+      flock(folder.get(), LOCK_EX | LOCK_NB) == 0 && is_same_folder(folder.get(), path)) {
     remove_folder(path);
   }
 }

@@ -19,7 +19,7 @@ namespace spikeloop::guard {
 
 namespace {
 
-const std::string kPlace = "place.";  // before the names of its variables
+const std::string kPlace = "place.";  // prefix of the keys of Hello::place
 
 void append(std::string_view text, std::string& bytes) {
   const auto size = static_cast<std::uint32_t>(text.size());
@@ -27,7 +27,7 @@ void append(std::string_view text, std::string& bytes) {
   bytes += text;
 }
 
-/// Removes the first text from `bytes`; nullopt if they end before it does.
+/// Removes the first text from `bytes`; nullopt if `bytes` is too short.
 std::optional<std::string> take_text(std::string_view& bytes) {
   std::uint32_t size = 0;
   if (bytes.size() < sizeof size) {
@@ -146,7 +146,7 @@ int send_packet(int fd, const Packet& packet) {
 Received receive_packet(int fd) {
   auto size = recv(fd, nullptr, 0, MSG_PEEK | MSG_TRUNC | MSG_DONTWAIT);
   if (size < 0 && errno == ECONNRESET) {
-    // The other side had not read all before it closed its end; what it has sent is still there.
+    // ECONNRESET: the peer closed with unread packets; the packets that it sent can still be read.
     size = recv(fd, nullptr, 0, MSG_PEEK | MSG_TRUNC | MSG_DONTWAIT);
   }
   if (size < 0) {

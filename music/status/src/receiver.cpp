@@ -24,7 +24,7 @@ std::optional<json> receive(int fd) {
   if (size < 0) {
     return std::nullopt;
   }
-  // The rest of a longer datagram is dropped, and what is left is no JSON.
+  // A longer datagram is truncated and then rejected as JSON.
   std::string text(std::min(static_cast<std::size_t>(size), kLongestDatagram), '\0');
   const auto received = recv(fd, text.data(), text.size(), MSG_DONTWAIT);
   text.resize(received < 0 ? 0 : static_cast<std::size_t>(received));
@@ -72,7 +72,7 @@ std::optional<json> Receiver::next(std::chrono::milliseconds timeout) {
       }
     }
     if (left.count() <= 0) {
-      return std::nullopt;  // other bytes must not keep the caller, however fast they come
+      return std::nullopt;  // a flood of invalid datagrams must not block the caller
     }
   }
 }

@@ -46,7 +46,7 @@ Supervision::Supervision(const std::string& path) {
   if (file.get() < 0) {
     throw FileError("make", path, errno);
   }
-  // Memory that is not there would be found missing at the first beat, by SIGBUS.
+  // Allocate now: if shared memory is full, the first beat would raise SIGBUS.
   if (const int error = posix_fallocate(file.get(), 0, sizeof(SupervisionPage)); error != 0) {
     throw FileError("make", path, error);
   }

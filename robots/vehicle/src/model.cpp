@@ -147,8 +147,8 @@ ModelPointer read_model(const std::string& path, Reason& reason) {
       mj_loadXML(path.c_str(), files.get(), reason.data(), static_cast<int>(reason.size())));
 }
 
-/// MuJoCo crashes on some files, and on others does not come to an end, at once or when it steps. A
-/// Simulation has the data twice.
+/// MuJoCo crashes on some files and hangs on others, while loading or stepping. Allocate mjData
+/// twice, as Simulation does.
 void try_model(const std::string& path) {
   try_in_a_copy(path, "MuJoCo", [&] {
     Reason reason{};

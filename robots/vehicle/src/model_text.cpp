@@ -169,7 +169,7 @@ void check_numbers(const std::vector<ModelText>& files) {
 Location find_attribute(const std::vector<ModelText>& files, std::string_view element,
                         std::string_view attribute, std::string_view name) {
   for (const auto& [path, text] : files) {
-    const char* current = nullptr;  // attributes of one element have the same piece of the text
+    const char* current = nullptr;  // identifies the element: its attributes share one string_view
     bool is_wanted = false;
     int line = 0;
     for (const Attribute& found : parse_attributes(text)) {

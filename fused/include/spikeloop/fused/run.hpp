@@ -57,7 +57,7 @@ struct RunOptions {
       observe{};
   /// As live::Feed; empty: there is no live view.
   std::string live_folder{};
-  /// Of all files of the run; the experiment's on_write_failure says what follows.
+  /// Failed writes of all files. `on_write_failure` selects the reaction.
   std::shared_ptr<WriteFailures> failures = std::make_shared<WriteFailures>();
 };
 

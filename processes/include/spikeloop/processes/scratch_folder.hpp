@@ -13,9 +13,8 @@ namespace spikeloop {
 /// there.
 std::string scratch_parent();
 
-/// Is removed with everything in it when the object is. When the program is killed, a process that
-/// only waits for that removes it, as soon as nobody has descriptor() or a copy of it any more. If
-/// that process was killed, too, the next object with the same parent removes it.
+/// A temporary folder, removed by the destructor. If the program is killed, a helper process
+/// removes it once no process holds descriptor(); otherwise the next object with this parent does.
 class ScratchFolder {
  public:
   /// In memory where the machine has such a place; the path is short, because sockets in it may

@@ -81,9 +81,8 @@ class Recorder {
                                    const std::vector<Population>& populations = {});
 
   /// A sink with one signal port "in". A row is written when the revision has changed; a signal
-  /// that turns invalid is written as a row of NaN. `channels` names the channels, when they have
-  /// names
-  /// ("linear.x"). Counter: signals_dropped (rows).
+  /// that turns invalid is written as a row of NaN. `channels`: names of the channels
+  /// ("linear.x"), or empty. Counter: signals_dropped (rows).
   /// @throws ConfigurationError as spike_sink(), when `channels` is neither empty nor as long as
   /// `width`, and when the rows of a tenth of a second need too much memory.
   std::unique_ptr<Sink> signal_sink(const std::string& stream, std::uint32_t width,

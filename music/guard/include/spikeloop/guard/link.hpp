@@ -31,7 +31,7 @@ class Link {
   TimeNs beat(TimeNs now);
   /// This process cannot stop the robot any more: the guard stops it at once.
   void abandon();
-  /// The robot is stopped, and this run does not drive it again.
+  /// Tells the guard to stop watching. Call after the last zero command.
   void done();
 
  private:
@@ -58,7 +58,7 @@ class Link {
   std::mutex mutex_;
   State state_ = State::off;
   Descriptor socket_;
-  TimeNs due_ = 0;     ///< missing: of the next attempt; asked: of the answer
+  TimeNs due_ = 0;     ///< wall time of the next attempt (missing), deadline of the answer (asked)
   TimeNs heard_ = 0;   ///< when the guard was last heard
   bool lost_ = false;  ///< a warning says that nobody guards the robot
   std::atomic<bool> guarded_{false};

@@ -1,5 +1,5 @@
-// What a command adapter, its guard and the launcher tell each other: packets over a Unix socket
-// that knows when the other side has gone. A packet is a list of texts: its type, and the keys and
+// Protocol between command adapter, guard and launcher: packets over a Unix SOCK_SEQPACKET socket,
+// which reports when the peer closes it. A packet is a list of texts: its type, and the keys and
 // values of its fields, each after its length in 4 bytes. It is read without recursion and in
 // bounded memory: any program of the user can send to the guard.
 //
@@ -38,7 +38,7 @@ struct Packet {
 };
 
 std::string encode(const Packet& packet);
-/// Returns a packet without a type for other bytes.
+/// Returns a packet with an empty type if the bytes are not a packet.
 Packet decode(std::string_view bytes);
 
 /// How a command adapter introduces itself.

@@ -44,8 +44,8 @@ struct Interfaces {
 };
 Interfaces interfaces();
 
-/// Largest number of participants of a domain on one machine. As the rmw layers: more would not be
-/// found, and Cyclone alone would stop at ten.
+/// Largest number of participants of a domain on one machine. The limit of the rmw layers,
+/// which do not discover more. The default of Cyclone DDS is ten.
 inline constexpr unsigned kMostParticipants = 33;
 
 /// Participants that can still start on this machine in the domain: each takes one of
