@@ -1,7 +1,7 @@
 // mpirun listens for the daemons of other hosts, on every address of the machine, and for the
 // programs of its job, on 127.0.0.1. `spikeloop run` preloads this listen() into an mpirun whose
-// job is on one machine. It closes the daemon socket, and defers accept() until the first byte,
-// because mpirun waits for silent connections at its end.
+// job is on one machine. The function closes the daemon socket, and defers accept() until the first
+// byte, because mpirun waits for silent connections at its end.
 //
 // Open MPI has no setting for either. The programs that mpirun starts inherit the library, so it
 // does nothing in them.

@@ -296,7 +296,7 @@ TEST_F(InterventionTest, no_message_releases_the_stop_button) {
   EXPECT_EQ(channel_.stopped_by(), std::nullopt);
 }
 
-TEST_F(InterventionTest, without_supervision_only_zeros_leave_whoever_drives) {
+TEST_F(InterventionTest, only_zeros_are_sent_without_supervision) {
   OperatorInput input({.topic = "/stop"}, channel_);
   command(0.5, 0);
   input.set_lost_supervision(StopReason::unsupervised);

@@ -20,14 +20,14 @@ LAYOUTS = {
 
 
 def all_opened(folder):
-    """Of every node in every process."""
+    """True if every node's recording exists."""
     sizes = [file.stat().st_size for file in folder.glob("*.h5")]
     return len(sizes) == 6 and all(sizes)
 
 
 def deleted(scratch, policy, keys):
-    """What is printed by a run whose folder is deleted, its exit code, and the wall time that it
-    went on."""
+    """Deletes the folder of a run. Returns its output, its exit code and the wall time until its
+    end."""
     file = runs.new_experiment(scratch / "explorer.yaml", duration="6 s", on_write_failure=policy,
                                **keys)
     folder = scratch / "run"
@@ -52,7 +52,7 @@ def test_deleted_folder(scratch):
 
 
 def with_small_files(*arguments):
-    """Of a run whose files cannot grow beyond 300 kB, as on a full disk."""
+    """Runs spikeloop with files limited to 300 kB, as on a full disk."""
     return subprocess.run(
         [runs.SPIKELOOP, "run", *map(str, arguments)], capture_output=True, text=True,
         restore_signals=False,  # Python ignores SIGXFSZ

@@ -24,7 +24,7 @@ SILENT = 200  # more than the guard takes at once
 
 
 def packet(kind, **fields):
-    """As music/guard/src/protocol.cpp writes it."""
+    """Encodes a packet like music/guard/src/protocol.cpp."""
     texts = [kind.encode()]
     for key, value in fields.items():
         texts += [key.encode(), value if isinstance(value, bytes) else str(value).encode()]
@@ -40,7 +40,7 @@ def connect(path):
 
 
 class Adapter:
-    """A command adapter that beats from a thread of its own."""
+    """A command adapter that sends beats in a background thread."""
 
     def __init__(self, path, topic):
         self._socket = connect(path)
@@ -67,7 +67,7 @@ class Adapter:
 
 
 def is_disconnected(client):
-    """All that the guard has sent has been read."""
+    """Waits until the guard closes the connection."""
     try:
         while client.recv(1 << 20):
             pass
@@ -113,7 +113,7 @@ def random_bytes(path, seed):
 
 
 def descriptors(path):
-    """Open files come along, and are closed."""
+    """The guard closes descriptors that a client sends."""
     with contextlib.closing(connect(path)) as client:
         with contextlib.suppress(ConnectionError):
             client.sendmsg([b"\xee"], [(socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", [0] * 50))])
@@ -134,7 +134,7 @@ def floods(path):
 
 
 def silent_clients(path):
-    """They have their time; then an adapter gets in."""
+    """Silent clients are disconnected after 2 s; then the guard accepts an adapter."""
     clients = []
     for _ in range(SILENT):
         client = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)

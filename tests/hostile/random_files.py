@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Files with random faults, from seeds: bytes changed, cut, doubled, numbers replaced by extreme ones. Whatever reads
-them ends soon, with an answer of ours. A file that is still good may run.
+"""Files with random faults, from seeds: bytes changed, cut, doubled, numbers replaced by extreme ones. Every program that
+reads them must end soon, with success or one of our errors.
 
   random_files.py --files 500 --seed 1 [--kinds arena,vehicle]
 """
@@ -57,7 +57,7 @@ connections:
   - {from: cells, to: cells, rule: pairs, pairs: [[0, 1], [99, 3]], weight: -30 pA, delay: 2 ms}
 output: [cells]
 """
-# A robot that is not the vehicle, with what costs memory or time.
+# A robot other than the vehicle, with elements that need memory or time.
 MODEL = """<mujoco model="it">
   <option timestep="0.001" iterations="50"/>
   <size njmax="100" nconmax="50" nkey="1" nuser_geom="2"/>
@@ -98,7 +98,7 @@ nodes:
 connections:
   - joint -> motor [1]
 """
-# What replaces a number of a text.
+# Values that replace numbers of a text.
 EXTREMES = (b"0", b"-1", b"1e9", b"1e20", b"-1e20", b"1e-300", b"1e300", b"1e400", b"nan", b"inf", b"-inf", b"65536",
             b"999999999", b"2147483647", b"2147483648", b"4294967296", b"9223372036854775807", b"9223372036854775808")
 NUMBER = re.compile(rb"(?<![\w.#])-?\d+\.?\d*(?:e-?\d+)?(?![\w.])")

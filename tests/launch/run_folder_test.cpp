@@ -78,7 +78,7 @@ TEST_F(Folder, LinksCountAsFilesAndAreReplaced) {
   }
 }
 
-TEST_F(Folder, WithoutANameIsNotALinkThatLeadsNowhere) {
+TEST_F(Folder, NumberingSkipsDanglingLinks) {
   std::filesystem::create_symlink("nowhere", directory_.path() / "a-1");
   EXPECT_EQ(RunFolder("", path_ + "/a", false).path(), path_ + "/a-2");
 }

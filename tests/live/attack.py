@@ -23,7 +23,7 @@ UPGRADE = ("GET / HTTP/1.1\r\nHost: {}\r\nUpgrade: websocket\r\nConnection: Upgr
 
 
 def header(size, opcode=1):
-    """Of a masked frame; the mask is 0."""
+    """Header of a masked frame; the mask is 0."""
     length = bytes([0x80 | size]) if size < 126 else (
         struct.pack(">BH", 0xFE, size) if size < 1 << 16 else struct.pack(">BQ", 0xFF, size))
     return bytes([0x80 | opcode]) + length + bytes(4)
@@ -79,7 +79,7 @@ STARTED = threading.Semaphore(0)
 
 
 class Attack:
-    """In a process of its own, until the block ends."""
+    """Runs attack.py in a subprocess until the block ends."""
 
     def __init__(self, kind, url, count):
         address = url.split("/")[2].replace("0.0.0.0", "127.0.0.1")

@@ -38,7 +38,7 @@ PROCESSES = {
 
 
 class Fault(typing.NamedTuple):
-    """`make`: of the run and its roles; returns when the fault began. `process`: key of PROCESSES, or empty."""
+    """`make(run, roles)` causes the fault and returns its start time. `process`: key of PROCESSES, or empty."""
     name: str
     layouts: tuple
     bound_ms: typing.Optional[float]
@@ -48,7 +48,7 @@ class Fault(typing.NamedTuple):
     governor: str = ""
     warns: bool = False
     when: typing.Callable = robots.Robot.is_driven
-    undo: typing.Optional[typing.Callable] = None  # of the robot; the run goes on
+    undo: typing.Optional[typing.Callable] = None  # undoes a fault of the robot; the run continues
     terminal: bool = False
     suspends: bool = False  # the launcher
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""A run and a robot end in time, whatever ROS does: after the network has gone (Cyclone DDS waits for its receiving
-threads when it is left, also with settings in which nothing wakes them), and with a ROS master that hangs.
+"""A run and a robot end in time if ROS hangs: after the loss of the network (closing a Cyclone DDS domain waits for
+its receive threads), and with a ROS master that hangs.
 """
 
 import contextlib

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""From a fault to the zero command, as a subscriber of /cmd_vel measures it that is not a part of Spikeloop: rospy
-over ROS 1, Fast DDS over ROS 2. The subscriber also sends scans at 50 Hz.
+"""Measures the time from a fault to the zero command with an independent subscriber of /cmd_vel: rospy over ROS 1,
+Fast DDS over ROS 2. The subscriber also sends scans at 50 Hz.
 
 Every fault of faults.py has a run of its own. The robot must be at rest within the time of the fault, and stay at rest
 until the run continues; the run must report why it ends, and leave nothing behind. A fault that breaks a rule is

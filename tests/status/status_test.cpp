@@ -191,7 +191,7 @@ TEST_F(Status, PassesOverWhatIsNoMessage) {
   EXPECT_EQ(next()["type"], "first_tick");
 }
 
-TEST_F(Status, WhatIsNoMessageDoesNotKeepACallerThatDoesNotWait) {
+TEST_F(Status, InvalidDatagramsDoNotBlockANonWaitingCaller) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   path_.copy(address.sun_path, sizeof address.sun_path - 1);

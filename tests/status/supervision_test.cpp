@@ -72,7 +72,7 @@ TEST_F(SupervisionTest, without_a_launcher_every_robot_counts_as_supervised) {
   EXPECT_EQ(SupervisedRobot().state(kNever, 0), State::supervised);
 }
 
-TEST_F(SupervisionTest, the_file_is_the_users_alone_and_never_another_one) {
+TEST_F(SupervisionTest, file_is_private_and_must_not_exist) {
   { const Supervision launcher(path_); }
   struct stat status {};
   ASSERT_EQ(::stat(path_.c_str(), &status), 0);

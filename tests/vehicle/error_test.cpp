@@ -169,7 +169,7 @@ TEST(WorldErrors, NumbersOutOfRangeNameTheLine) {
   body("<composite count='3 2000 1'/>", "<composite>: count=\"2000\" ... from -1000 to 1000");
 }
 
-TEST(WorldErrors, CountsThatAreMemoryOrLoops) {
+TEST(WorldErrors, RejectsCountsThatNeedTooMuchMemoryOrTime) {
   const auto refuses = [](const std::string& part, const std::string& attribute) {
     const World world("<mujoco>\n" + part + "\n</mujoco>");
     EXPECT_THAT(

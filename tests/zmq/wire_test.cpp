@@ -74,7 +74,7 @@ TEST(ObservationReader, AMessageThatIsNoArrayChangesNothing) {
   EXPECT_EQ(reader.take_warning(), "a message that is not a JSON array was left out: ''");
 }
 
-TEST(ObservationReader, AMessageMayBeNestedAsDeeplyAsItLikes) {
+TEST(ObservationReader, DeeplyNestedMessagesAreMalformed) {
   ObservationReader reader("FloatArray", 1, true);
   EXPECT_FALSE(reader.read(std::string(1'000'000, '[') + std::string(1'000'000, ']'), 0));
   EXPECT_EQ(reader.counts().malformed, 1u);
