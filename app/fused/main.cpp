@@ -91,7 +91,7 @@ bool watches(const experiment::Experiment& experiment, const std::string& proces
 }
 
 int report(const fused::RunResult& result, music::Process& process, MusicProcesses& others) {
-  if (result.exit_code != 0) {  // before the report, which else would be that of an early end
+  if (result.exit_code != 0) {  // before the report, so that the report is not that of an early end
     music::end_job(process.label(), result.exit_code, result.reason);
   }
   others.finish(result.summary);

@@ -21,7 +21,7 @@ namespace spikeloop {
 /// file. Collisions are those of ContactCounter; nan: not known.
 class OdometryLog {
  public:
-  /// @param failures of the file
+  /// @param failures receives failed writes of the file
   OdometryLog(topics::Session& session, std::string folder, WriteFailures& failures);
 
   /// A row, every 20 ms at most, when a message has come since the last one. @throws FileError.

@@ -21,7 +21,7 @@ class RosTransport : public fused::Transport {
   /// @param process name of the process
   /// @param ros_arguments arguments in the format of read_ros_arguments()
   /// @param folder folder for the path of a robot that we do not simulate. Empty: no file
-  /// @param failures failed writes of the files in `folder`
+  /// @param failures receives failed writes of the files in `folder`
   /// @throws TransportError without a ROS master.
   RosTransport(const experiment::Experiment& experiment, const std::string& process,
                const std::string& ros_arguments, const std::string& folder, WriteFailures& failures,

@@ -157,7 +157,7 @@ void GuardedRobot::listen(GuardTimer& timer) {
       return;
     }
     const std::string type = type_of(news.packet);
-    if (news.closed || type.empty()) {  // an adapter sends packets
+    if (news.closed || type.empty()) {  // not a packet: the client is not an adapter
       timer.lost(wall_now());
       return;
     }

@@ -44,7 +44,7 @@ class Server {
   void turn();
   void take_in();
   void wake() const;
-  /// To the launcher: this robot has been stopped.
+  /// Reports to the launcher that this robot has been stopped.
   void report(const Hello& hello) const;
   bool stopped();
   bool owner_gone() const;

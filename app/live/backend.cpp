@@ -24,7 +24,7 @@ constexpr TimeNs kLossPeriod = kNsPerSecond;
 constexpr std::chrono::seconds kAfterError{1};
 constexpr std::size_t kPieceBytes = std::size_t{64} << 10;
 constexpr std::size_t kTransferBytes = std::size_t{1} << 20;  // queued for one client
-/// The run has the processor first.
+/// Low priority, so that the server does not slow down the run.
 constexpr int kNice = 10;
 
 SharedFrame raw_frame(std::string bytes) {

@@ -69,10 +69,10 @@ class Backend {
   Hub hub_;
   std::list<Viewer> viewers_{};
   std::vector<Transfer> transfers_{};
-  std::vector<SharedFrame> newest_{};  ///< by channel
+  std::vector<SharedFrame> newest_{};  ///< index: channel
   std::size_t advertised_ = 0;
   std::uint32_t beginnings_ = 0;
-  nlohmann::json parameters_{};  ///< as the viewers know them
+  nlohmann::json parameters_{};  ///< last values sent to the viewers
   const std::string session_;
   TimeNs next_look_ = 0;
   TimeNs next_losses_ = 0;

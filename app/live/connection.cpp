@@ -116,7 +116,7 @@ bool Connection::begin_frame(TimeNs now) {
     output_ += frame_header(is_text ? Opcode::text : Opcode::binary, frame_->bytes.size());
   }
   if (frame_->kind == Frame::Kind::data) {
-    // Little endian, as all numbers of Foxglove's protocol.
+    // Little endian, like all numbers of Foxglove's protocol.
     output_.append(frame_->bytes, 0, kSubscriptionAt);
     output_.append(reinterpret_cast<const char*>(&next->subscription), sizeof(next->subscription));
     frame_at_ = kSubscriptionAt + sizeof(next->subscription);

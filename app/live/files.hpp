@@ -17,10 +17,10 @@ struct Answer {
   Descriptor file{};         ///< Without a descriptor, `body` is all
   std::string body{};        ///< instead of a file
   std::uintmax_t begin = 0;  ///< position in the file, in bytes
-  std::uintmax_t size = 0;   ///< of the body, in bytes
+  std::uintmax_t size = 0;   ///< size of the body in bytes
 };
 
-/// One sentence as the body.
+/// An answer whose body is `text`.
 Answer error_answer(unsigned status, std::string_view text);
 
 /// @param path of the URL, "/", "/raster.js", "/run/trajectory.csv"

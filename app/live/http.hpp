@@ -13,7 +13,7 @@ struct HttpRequest {
   std::string method;
   std::string path;
   std::string query;                           ///< Empty if the target has none
-  std::map<std::string, std::string> headers;  ///< by their names in lower case
+  std::map<std::string, std::string> headers;  ///< keys: names in lower case
 
   /// Empty if the request does not have it.
   std::string_view header(const std::string& name) const;
@@ -29,7 +29,7 @@ std::optional<HttpRequest> parse_head(std::string_view head);
 
 /// Status line and the headers that all responses have. @param more "name: value\r\n"...
 std::string response_head(unsigned status, std::string_view more);
-/// The same with type and length of a body.
+/// Also writes the headers for type and length of a body.
 std::string response_head(unsigned status, std::string_view type, std::uintmax_t size,
                           std::string_view more);
 

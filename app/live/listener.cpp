@@ -14,7 +14,7 @@
 namespace spikeloop::view {
 namespace {
 
-constexpr int kPorts = 10;  // that are tried
+constexpr int kPorts = 10;  // number of ports that are tried
 constexpr int kBacklog = 1024;
 
 sockaddr* generic(sockaddr_in& address) {

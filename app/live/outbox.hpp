@@ -1,4 +1,4 @@
-// What the thread of the data and the thread of the connections exchange for one client.
+// Data that Backend and the thread of the connections exchange for one client.
 #pragma once
 
 #include <atomic>
@@ -24,7 +24,7 @@ using SharedFrame = std::shared_ptr<const Frame>;
 
 struct Outgoing {
   SharedFrame frame;               ///< Empty: the end of an HTTP response
-  std::uint32_t subscription = 0;  ///< of a data frame
+  std::uint32_t subscription = 0;  ///< subscription number of a data frame
 };
 
 /// Frames that wait for one client. The thread of the data pushes, the thread of the connections

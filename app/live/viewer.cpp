@@ -93,7 +93,7 @@ void Viewer::take(const json& message, const std::vector<SharedFrame>& newest) {
   }
 }
 
-/// One subscription per channel, and one answer for all that are refused.
+/// Adds at most one subscription per channel, and sends one answer for all refused ones.
 void Viewer::subscribe(const json& message, const std::vector<SharedFrame>& newest) {
   subscriptions_.resize(newest.size());
   std::string refusal;

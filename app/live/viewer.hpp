@@ -17,11 +17,11 @@
 namespace spikeloop::view {
 
 SharedFrame text_frame(const nlohmann::json& message);
-/// A message of the operation messageData. The number of the viewer's subscription is written when
-/// the frame is sent: kSubscriptionAt.
+/// A message of the operation messageData. The number of the viewer's subscription is inserted at
+/// kSubscriptionAt when the frame is sent.
 SharedFrame data_frame(TimeNs time, std::span<const std::byte> message);
 SharedFrame time_frame(TimeNs time);
-inline constexpr std::size_t kSubscriptionAt = 1;  // behind the opcode
+inline constexpr std::size_t kSubscriptionAt = 1;  // position after the opcode
 
 class Viewer {
  public:
@@ -53,7 +53,7 @@ class Viewer {
   Hub& hub_;
   SharedClient client_;
   bool wants_parameters_ = false;
-  std::vector<std::optional<std::uint32_t>> subscriptions_{};  ///< by channel
+  std::vector<std::optional<std::uint32_t>> subscriptions_{};  ///< index: channel
 };
 
 }  // namespace spikeloop::view

@@ -37,8 +37,8 @@ std::string close_frame(CloseCode code);
 struct IncomingFrame {
   bool last = false;  ///< false: the message continues in another frame
   Opcode opcode{};
-  std::string_view payload;  ///< part of the input
-  std::size_t size = 0;      ///< of the frame with its header, in bytes
+  std::string_view payload;  ///< view into the input
+  std::size_t size = 0;      ///< bytes of the frame with its header
 };
 
 struct ParsedFrame {

@@ -19,7 +19,7 @@ namespace spikeloop::app {
 struct LiveOptions {
   bool on = false;
   std::string host = "127.0.0.1";
-  std::uint16_t port = 8765;  ///< or one of the nine behind it; 0: any
+  std::uint16_t port = 8765;  ///< first of ten ports that are tried; 0: any
 };
 
 /// --live-port and --live-host.
@@ -46,7 +46,7 @@ class LiveServer {
   ScratchFolder folder_;
   std::optional<ProcessTree> server_;
   std::atomic<bool> ended_{false};
-  bool stopped_ = false;  ///< by SIGSTOP; of the thread
+  bool stopped_ = false;  ///< True while the server is stopped by SIGSTOP; used by watch()
   std::thread watch_;
 };
 

@@ -15,7 +15,7 @@ struct RunNeeds {
   std::size_t programs = 1;
   bool mpi = true;               ///< false: a single program without mpirun
   std::size_t feeds = 0;         ///< files of the live view: one per process
-  std::size_t participants = 0;  ///< in the ROS 2 domain
+  std::size_t participants = 0;  ///< participants in the ROS 2 domain
 };
 
 /// Needs of a job on this machine. @param live true if the run has a live view
@@ -25,7 +25,7 @@ RunNeeds needs_of(const MusicFile& file, const launch::JobOptions& options, bool
 
 struct Resource {
   bool enough = true;
-  std::string text{};    ///< what there is, and the need
+  std::string text{};    ///< what is available, and the need
   std::string remedy{};  ///< empty if there is enough
 };
 

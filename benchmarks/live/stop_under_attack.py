@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""From STOP in the live view to the zero command, as a robot over ROS 2 on Fast DDS sees it, while other clients attack
-the server on loopback. Prints a table in Markdown."""
+"""Measures the time from STOP in the live view to the zero command at a robot over ROS 2 on Fast DDS, while other
+clients attack the server on loopback. Prints a table in Markdown."""
 
 import argparse
 import os

@@ -12,10 +12,10 @@ namespace spikeloop::fused {
 
 /// Beside what the experiment says.
 struct RobotUse {
-  std::string folder{};  ///< of its files; empty: none
+  std::string folder{};  ///< Folder of the run's files. Empty if nothing is recorded.
   robot::SpectatorOptions spectators{};
-  bool blind = false;                 ///< as robot::SensorOptions
-  WriteFailures* failures = nullptr;  ///< as of robot::RowFile
+  bool blind = false;                 ///< see robot::SensorOptions
+  WriteFailures* failures = nullptr;  ///< see robot::RowFile
   messages::Dialect dialect = messages::Dialect::ros1;
 };
 

@@ -2,7 +2,7 @@
 
 const PROTOCOLS = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
 const RETRY_MS = 1000;
-const SUBSCRIPTIONS = 200;  // of one message: the server reads at most 16 KB
+const SUBSCRIPTIONS = 200;  // per message: the server reads at most 16 KB
 const SILENT_MS = 10_000;  // the server sends time and status many times a second
 
 export class Connection {

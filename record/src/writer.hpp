@@ -1,5 +1,5 @@
-// The thread that writes all recordings of the process. More would not be faster: HDF5 serves one
-// thread at a time.
+// The thread that writes all recordings of the process. More threads would not be faster: HDF5
+// serves one thread at a time.
 #pragma once
 
 #include <semaphore.h>
@@ -29,7 +29,7 @@ class Wake {
   sem_t semaphore_;
 };
 
-/// A file that the writer serves.
+/// A file that the writer's thread writes.
 class WrittenFile {
  public:
   virtual ~WrittenFile() = default;

@@ -110,7 +110,7 @@ TEST_F(BagFaults, ManyChunks) {
   {
     bag::Recorder recorder(path(), {.patient = true});
     const auto channel = recorder.add({"/x", "std_msgs/UInt8MultiArray", "a"});
-    const std::vector<std::byte> zeros(std::size_t{1} << 20);  // a chunk each
+    const std::vector<std::byte> zeros(std::size_t{1} << 20);  // one chunk per message
     for (TimeNs i = 0; i < kMessages; ++i) {
       recorder.take(channel, i, zeros);
     }

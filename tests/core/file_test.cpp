@@ -84,7 +84,7 @@ TEST_F(WriteFile, WritesToAPipeInPlace) {
 
 TEST_F(WriteFile, WritesToAnOpenDescriptorInPlace) {
   const int file = ::open(path("out").c_str(), O_WRONLY | O_CREAT, 0600);
-  write_file("/dev/fd/" + std::to_string(file), "text");  // as /dev/stdout
+  write_file("/dev/fd/" + std::to_string(file), "text");  // like /dev/stdout
   ::close(file);
   EXPECT_EQ(text("out"), "text");
 }

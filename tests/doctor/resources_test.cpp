@@ -68,7 +68,7 @@ TEST(Resources, AddressSpaceDependsOnRos2) {
   EXPECT_TRUE(address_space({.mpi = false}).enough);
 }
 
-/// As a participant of the domain has it.
+/// Binds the UDP port of a participant of the domain.
 Descriptor take_port(unsigned domain, unsigned index) {
   Descriptor port{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
   sockaddr_in address{};
@@ -79,7 +79,7 @@ Descriptor take_port(unsigned domain, unsigned index) {
 }
 
 TEST(Resources, ParticipantsOfADomainAreCountedOnThisMachine) {
-  constexpr unsigned kDomain = 201;  // of no other test
+  constexpr unsigned kDomain = 201;  // not used by other tests
   discovery::Discovery found{.domain = kDomain};
   const int before = discovery::free_participants(found).value();
   const Descriptor first = take_port(kDomain, 0);

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Files with random faults, from seeds: bytes changed, cut, doubled, numbers replaced by extreme ones. Every program that
-reads them must end soon, with success or one of our errors.
+"""Files with random faults, from seeds: bytes changed, cut, doubled, numbers replaced by extreme ones. Every program
+that reads them must end soon, with success or one of our errors.
 
   random_files.py --files 500 --seed 1 [--kinds arena,vehicle]
 """

@@ -67,7 +67,7 @@ TEST(ScratchFolder, IsRemovedAfterTheLastOfThoseWhoNeedItWhenItsOwnerIsKilled) {
   close(ready[1]);
 }
 
-/// A folder as a killed run leaves it.
+/// A folder like that of a killed run.
 fs::path make_leftover(const fs::path& parent, const char* name) {
   fs::create_directory(parent / name);
   std::ofstream(parent / name / "vader_segment") << "text";

@@ -30,7 +30,7 @@ def header(size, opcode=1):
 
 
 def subscriptions():
-    """Messages that any server takes: 400 of them in 10 KB."""
+    """Valid messages: 400 of them in 10 KB."""
     frames = b""
     for begin in range(0, SUBSCRIPTIONS, 400):
         wanted = [{"id": i + 1, "channelId": 1 + i % 8} for i in range(begin, begin + 400)]

@@ -27,13 +27,13 @@ class Hostile(viewing.FolderCase):
         return run
 
     def refused(self, status, url, **options):
-        """With this status and a sentence."""
+        """Asserts that the server refuses with this status and a sentence."""
         with self.assertRaises(websocket.WebSocketBadStatusException, msg=options) as failure:
             websocket.create_connection(url, timeout=10, **options)
         self.assertEqual(failure.exception.status_code, status)
 
     def sent(self, run, *pieces):
-        """What the server answers to these bytes, until it closes."""
+        """Sends the bytes; returns the answer of the server until it closes the connection."""
         with socket.create_connection(run.address(), timeout=10) as connection:
             answer = b""
             for piece in pieces:

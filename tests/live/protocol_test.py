@@ -99,7 +99,7 @@ class Protocol(viewing.FolderCase):
         self.assertEqual(job.servers(), [])
 
     def only_regular_files(self, job):
-        """Neither a link out of the run folder, nor a pipe, which would be waited for."""
+        """The server serves no links out of the run folder, and no pipes, which would block it."""
         for name, make in (("world.json", lambda path: path.symlink_to("/etc/hostname")), ("episodes.csv", os.mkfifo),
                            ("summary.json", pathlib.Path.mkdir)):
             path = self.folder / "run" / name

@@ -23,7 +23,7 @@ class Attacked(viewing.FolderCase):
             for kind, count in (("subscribers", 8), ("connections", 2000), ("frames", 4)):
                 with self.subTest(kind):
                     times = attacked.times_to_zero(robot, self.folder, kind, count, 9)
-                    # A busy machine may delay one of nine.
+                    # A busy machine may delay one trial of nine.
                     self.assertLess(statistics.median(times), ATTACKED_MS, times)
 
 

@@ -142,7 +142,7 @@ TEST_F(RecorderFaults, DeletedFileIsReportedAtOnce) {
   EXPECT_THAT(recorder.close().error, Fault("cannot write '" + file() + "': ... [SL0109]"));
 }
 
-/// A thread per file would keep 2000 nodes from starting.
+/// With a thread per file 2000 nodes could not start.
 TEST_F(RecorderFaults, ManyFilesShareAThread) {
   const auto threads = [] {
     const std::filesystem::directory_iterator tasks("/proc/self/task");

@@ -224,7 +224,7 @@ TEST_F(PatientGuardTest, guard_killed) {
 TEST_F(PatientGuardTest, guard_and_adapter_killed_at_once) {
   ASSERT_NO_FATAL_FAILURE(run_until_it_drives("stoptime=100"));
   const std::vector<pid_t> both{named("spikeloop-guard"), named("ros_command_ada")};
-  child_->signal(SIGSTOP);  // it would start another guard
+  child_->signal(SIGSTOP);  // the launcher would restart the guard
   kill_all(both, SIGKILL);
   child_->signal(SIGCONT);
   const auto outcome = child_->wait();

@@ -80,7 +80,7 @@ class GuardedJob : public RobotJob {
     EXPECT_EQ(std::erase(processes, guard), 1u);
     const pid_t adapter = named("ros_command_ada");
     std::ranges::stable_partition(processes, [&](pid_t pid) { return pid == adapter; });
-    kill_all({child_->pid()}, SIGSTOP);  // it would continue the guard
+    kill_all({child_->pid()}, SIGSTOP);  // the launcher would continue the guard
     const auto begin = ros_peer::monotonic_now();
     kill_all({guard}, SIGSTOP);
     EXPECT_TRUE(ros_peer::eventually(10, [&] { return is_stopped(guard); }));

@@ -17,7 +17,7 @@ ROBOT_TOPIC = ["--ros-args", "-r", "/scan:=/vehicle/scan", "--"]  # where the ob
 
 @dataclasses.dataclass
 class Cell:
-    """What was observed, and the rules that it breaks."""
+    """The observations of a cell, and the rules that they break."""
     fault: str
     layout: str
     ros: str

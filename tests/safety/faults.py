@@ -133,7 +133,7 @@ OTHERS = [
 ]
 FAULTS = [*(fault_of(process, name) for process in PROCESSES for name in SIGNALS), *OTHERS]
 
-# One fault for each mechanism, in the layouts that differ in it: the tests of every build.
+# One fault per mechanism, in the layouts that differ in it: every build tests them.
 REPRESENTATIVE = {
     "launcher SIGSTOP": EVERY,
     "launcher SIGKILL": EVERY,

@@ -23,7 +23,7 @@ PROGRESS = re.compile(r"(spikeloop: )?[\d.]+( of [\d.]+)? s\b")
 
 
 class FaultyRun:
-    """A run in a process group of its own, started by this process as by a shell."""
+    """A run in its own process group, started like a shell starts it."""
 
     def __init__(self, robot, words, folder):
         self.robot, self.folder = robot, folder
@@ -43,7 +43,7 @@ class FaultyRun:
         self.launcher = self.process.pid
 
     def exit_code(self):
-        """As a shell shows it; None while the launcher runs."""
+        """Exit code as a shell shows it; None while the launcher runs."""
         code = self.process.poll()
         return code if code is None or code >= 0 else 128 - code
 
@@ -59,7 +59,7 @@ class FaultyRun:
         return roles
 
     def mark(self):
-        """What is printed from now on belongs to the fault."""
+        """Marks the begin of the fault: output from now on belongs to the fault."""
         self.seen = self.log.stat().st_size
 
     def lines(self):

@@ -51,7 +51,7 @@ def hanging_master(scratch):
 
 
 def end(process, number, expected, what, log):
-    """Sends the signal; the process ends in time, with this exit code."""
+    """Sends the signal, and asserts that the process ends in time with this exit code."""
     begin = time.monotonic()
     process.send_signal(number)
     try:

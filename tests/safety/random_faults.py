@@ -31,7 +31,7 @@ from loop import LAYOUTS, MARGIN_MS, PROGRAMS, WATCHDOG_MS
 SIGNALS = ["KILL", "KILL", "TERM", "INT", "HUP", "QUIT", "SEGV", "ABRT", "STOP"]
 PHASES = ["start", "driven", "driven", "end"]
 START_S, STALL_S = 20, 4
-STANDS_S = 0.5  # a robot at rest is recognised by then
+STANDS_S = 0.5  # a robot counts as at rest after this time
 LONGEST_S = START_S + STALL_S + 20  # mpirun has 10 s to end, and the launcher waits for the guard
 GOES_ON_S = 1.5  # a robot that is still driven then belongs to a run that bears the fault
 
@@ -63,7 +63,7 @@ class Launch:
                 print(error, run.printed(), sep="\n")
                 self.hung = True
             finally:
-                if self.signal == "STOP":  # a guard that was stopped ends when it goes on
+                if self.signal == "STOP":  # a stopped guard ends when it is continued
                     jobs.send(run.processes(), signal.SIGCONT)
                 self.left = run.left_behind()
                 run.close()

@@ -34,7 +34,7 @@ int connect_to(const std::string& path, Descriptor& into) {
   return connect(into.get(), status::generic(*address), sizeof *address) == 0 ? 0 : errno;
 }
 
-/// Not under the link's lock: output may block.
+/// Must be called without the link's lock: output may block.
 void print(const std::vector<std::pair<bool, std::string>>& lines) {
   for (const auto& [warning, text] : lines) {
     log::write(warning ? log::Level::warning : log::Level::info, text);

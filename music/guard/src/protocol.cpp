@@ -153,7 +153,7 @@ Received receive_packet(int fd) {
     const bool later = errno == EAGAIN || errno == EINTR;
     return {.closed = !later, .nothing = later};
   }
-  // The rest of a longer packet is dropped.
+  // Longer packets are truncated.
   std::string bytes(std::min(static_cast<std::size_t>(size), kLongestPacket), '\0');
   const auto received = recv(fd, bytes.data(), bytes.size(), MSG_DONTWAIT);
   if (received <= 0) {

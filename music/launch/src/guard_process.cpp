@@ -97,7 +97,7 @@ GuardProcess::GuardProcess(const ScratchFolder& scratch,
   connection_ = std::move(connection.ours);
   connection.theirs.reset();
   await_listening();
-  read();  // its process id may come behind "listening"
+  read();  // its process id may arrive after "listening"
 }
 
 void GuardProcess::await_listening() {

@@ -68,10 +68,10 @@ class JobRun {
   /// Starts the guard and the thread whose beats the adapters read.
   void start_guard();
   void make_guard();
-  /// Starts another one in place of a guard that has ended or hangs.
+  /// Starts a new guard if the guard has ended or hangs.
   void watch_guard();
   void end_guard();
-  /// Starts the process again that removes the scratch folder of a launcher that is killed.
+  /// Restarts the process that removes the scratch folder if the launcher is killed.
   void watch_cleaner();
   /// Warns when mpirun or its subreaper is stopped.
   void warn_of_stopped_process();
@@ -113,7 +113,7 @@ class JobRun {
   std::unique_ptr<GuardProcess> guard_;
   int guard_restarts_ = 0;
   int stopped_by_guard_ = 0;        ///< robots whose adapters had died
-  pid_t reported_stopped_ = 0;      ///< last result of warn_of_stopped_process(); 0: none
+  pid_t reported_stopped_ = 0;      ///< stopped process that was reported; 0: none
   Clock::time_point turned_{};      ///< begin of the newest turn of supervise()
   std::optional<Failure> outcome_;  ///< none while all is well
   int stop_signals_ = 0;

@@ -141,7 +141,7 @@ std::string preloaded(const char* library) {
 
 /// LD_PRELOAD of a job's programs on this machine: music/waiting.cpp.
 std::string preloaded_in_programs() {
-  // Open MPI refuses -x beside a list of variables.
+  // Open MPI refuses -x in combination with a list of variables.
   return std::getenv("OMPI_MCA_mca_base_env_list") != nullptr
              ? ""
              : preloaded("libspikeloop_waiting.so");
@@ -166,7 +166,7 @@ std::vector<std::string> mpirun_command(const MusicFile& file, const std::string
     // MPI looks at its sockets every 10 ms. It has none here, and music/waiting.cpp takes each look
     // for the end of a wait.
     settings.emplace_back("mpi_event_tick_rate", "1000000");  // microseconds
-    // To look for the networks of clusters takes 0.2 s, and programs would listen on all addresses
+    // The search for networks of clusters takes 0.2 s, and programs would listen on all addresses
     // of the machine.
     if (std::getenv("OMPI_MCA_pml") == nullptr && std::getenv("OMPI_MCA_btl") == nullptr) {
       settings.emplace_back("pml", "ob1");
@@ -199,7 +199,7 @@ std::map<std::string, std::string> mpirun_environment() {
     environment["LD_PRELOAD"] = libraries;
   }
   if (std::getenv("PMIX_MCA_gds") == nullptr) {
-    environment["PMIX_MCA_gds"] = "hash";  // the others take 8 MB of shared memory
+    environment["PMIX_MCA_gds"] = "hash";  // other modules need 8 MB of shared memory
   }
   return environment;
 }

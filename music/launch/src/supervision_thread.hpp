@@ -17,7 +17,7 @@ namespace spikeloop::launch {
 /// the launcher's loop may wait for a terminal or a disk.
 class SupervisionThread {
  public:
-  /// @param path of the file that is made for the adapters @throws FileError
+  /// @param path path of the new file for the adapters @throws FileError
   explicit SupervisionThread(const std::string& path);
   ~SupervisionThread();
   SupervisionThread(const SupervisionThread&) = delete;
@@ -26,14 +26,14 @@ class SupervisionThread {
   /// Processes without which nobody supervises the job: no beats while one of them is stopped by
   /// SIGSTOP or SIGTSTP.
   void require(std::vector<pid_t> processes);
-  /// The guard is continued (SIGCONT) as soon as it is stopped. 0: there is none.
+  /// Continues the guard (SIGCONT) as soon as it is stopped. 0: no guard
   void set_guard(pid_t guard) { guard_.store(guard); }
   /// True: robots are stopped until this is called with false.
   void suspend(bool suspended) { page_.suspend(suspended); }
 
-  /// The first of require() that is stopped; 0: all run.
+  /// First process of require() that is stopped. 0: all run.
   pid_t stopped_process() const { return stopped_.load(); }
-  /// As status::Supervision.
+  /// See status::Supervision::robots().
   int robots() const { return page_.robots(); }
   /// True if the guard was continued since the last call.
   bool has_continued_guard() { return continued_.exchange(false); }

@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-/// More than the kernel lets through by default.
+/// More than the kernel's default limit.
 constexpr std::size_t kLongestDatagram = 4 << 20;
 
 /// One datagram, whole; nothing when there is none or it is not a message.

@@ -187,7 +187,7 @@ TimeNs CommandSink::beat(TimeNs wall) {
   }
   intervene(wall);
   if (settings_.clock == CommandClock::wall) {
-    // Also while the loop is silent: zeros are repeated, and a manual command times out.
+    // Zeros are repeated and manual commands time out even if the loop is silent.
     channel_.poll(now());
   } else if (settings_.clock == CommandClock::simulated && wall >= next_repetition_) {
     // The simulated time may stand still.

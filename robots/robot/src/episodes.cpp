@@ -52,7 +52,7 @@ void Episodes::end(TimeNs time, const StepResult& result) {
     file_->write(fmt::format("{},{:.9g},{:.9g},{},{},{},{}\n", number_, to_seconds(began_),
                              to_seconds(time), steps_, return_, success ? 1 : 0,
                              result.terminated ? "terminated" : "time_limit"));
-    file_->flush();  // who watches the run reads it
+    file_->flush();  // the file can be read while the run continues
   }
 }
 

@@ -45,7 +45,7 @@ std::pair<double, double> Coverage::centre(std::size_t column, std::size_t row) 
           arena_.min_y_m + (static_cast<double>(row) + 0.5) * kCell};
 }
 
-/// Only cells near the obstacle: a world may have many cells and many obstacles.
+/// Visits only cells near the obstacle: a world may have many cells and many obstacles.
 void Coverage::occupy(const Obstacle& obstacle, double vehicle_radius_m) {
   const double reach =
       std::max(obstacle.radius_m, std::hypot(obstacle.half_x_m, obstacle.half_y_m)) +

@@ -8,7 +8,7 @@
 
 namespace spikeloop {
 
-/// What a run does when one of its files cannot be written.
+/// Reaction of a run to a file that cannot be written.
 enum class OnWriteFailure { stop, proceed };
 
 /// The choices of the key `on_write_failure`, "stop" and "continue".

@@ -9,8 +9,8 @@
 
 namespace spikeloop {
 
-/// Where scratch folders are: /dev/shm, which is in memory, or /tmp if this user cannot write
-/// there.
+/// Parent of scratch folders: /dev/shm, which is in memory, or /tmp if this user cannot write to
+/// /dev/shm.
 std::string scratch_parent();
 
 /// A temporary folder, removed by the destructor. If the program is killed, a helper process

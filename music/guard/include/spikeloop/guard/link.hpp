@@ -36,9 +36,9 @@ class Link {
 
  private:
   enum class State {
-    off,      ///< no guard is named, or it has refused, or the run is over
-    missing,  ///< to be connected again
-    asked,    ///< has been sent hello
+    off,      ///< no guard is configured, the guard has refused, or the run is over
+    missing,  ///< retries the connection at due_
+    asked,    ///< hello was sent
     accepted
   };
   using Lines = std::vector<std::pair<bool, std::string>>;  ///< true: a warning
@@ -59,8 +59,8 @@ class Link {
   State state_ = State::off;
   Descriptor socket_;
   TimeNs due_ = 0;     ///< wall time of the next attempt (missing), deadline of the answer (asked)
-  TimeNs heard_ = 0;   ///< when the guard was last heard
-  bool lost_ = false;  ///< a warning says that nobody guards the robot
+  TimeNs heard_ = 0;   ///< wall time of the guard's newest packet
+  bool lost_ = false;  ///< True after the warning that the robot is not guarded
   std::atomic<bool> guarded_{false};
   std::atomic<bool> reaches_{false};
 };

@@ -41,7 +41,7 @@ struct CommonKeys {
   TimeNs spike_delay = 0;     ///< of spike inputs: added to their times
   int signal_delay = 0;       ///< whole ticks by which MUSIC delays continuous inputs
   bool record = false;
-  OnWriteFailure on_write_failure = OnWriteFailure::stop;  ///< of the recording
+  OnWriteFailure on_write_failure = OnWriteFailure::stop;  ///< for the recording
 };
 
 /// The declaration of these keys, for --help and the reference.

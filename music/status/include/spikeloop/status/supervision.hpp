@@ -27,7 +27,7 @@ class Supervision {
   Supervision(const Supervision&) = delete;
   Supervision& operator=(const Supervision&) = delete;
 
-  /// The job is supervised at this wall time.
+  /// Records that the job is supervised at this wall time.
   void beat(TimeNs now);
   /// True: robots are stopped at once, whatever the beats are.
   void suspend(bool suspended);
@@ -43,8 +43,8 @@ class Supervision {
 class SupervisedRobot {
  public:
   enum class State : std::uint8_t {
-    supervised,  ///< also without a launcher
-    suspended,   ///< by Ctrl-Z
+    supervised,  ///< the launcher beats, or there is no launcher
+    suspended,   ///< Ctrl-Z has suspended the launcher
     silent       ///< the launcher, mpirun or the process between them is stopped or hangs
   };
 
@@ -57,7 +57,7 @@ class SupervisedRobot {
 
   /// @param deadline wall time without a beat after which the launcher counts as silent
   State state(TimeNs now, TimeNs deadline) const;
-  /// The robot is stopped for good. Safe to call from any thread.
+  /// Releases the robot after its final stop. Safe to call from any thread.
   void release();
 
  private:

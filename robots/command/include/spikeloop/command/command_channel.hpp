@@ -107,7 +107,7 @@ class CommandChannel {
   Publish publish_;
   std::vector<double> zero_;
   State state_ = State::idle;
-  std::optional<TimeNs> stands_since_;  ///< while it is stopped
+  std::optional<TimeNs> stands_since_;  ///< begin of the stop. nullopt if the robot may be driven
   TimeNs stood_for_ = 0;                ///< before that
   StopReason reason_ = StopReason::no_value;
   bool driven_ = false;          ///< a command has left

@@ -59,8 +59,8 @@ class CommandGate {
   std::vector<double> last_;
   TimeNs last_time_ = 0;
   bool any_ = false;     ///< current_ holds a command
-  bool sent_ = false;    ///< last_ holds one
-  bool forced_ = false;  ///< current_ is of force()
+  bool sent_ = false;    ///< last_ holds a command
+  bool forced_ = false;  ///< force() has set current_
   std::uint64_t sent_count_ = 0;
 };
 

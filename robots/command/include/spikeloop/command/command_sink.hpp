@@ -152,7 +152,7 @@ class CommandSink : public Sink {
   Transport transport_;
   std::atomic<TimeNs> simulated_{0};  ///< end of the newest tick
   bool ticked_ = false;               ///< the loop's
-  TimeNs next_repetition_ = 0;        ///< wall time of the next zero; the watch's
+  TimeNs next_repetition_ = 0;        ///< wall time of the next zero; used by the watch only
   std::mutex stopping_;
   bool stopped_ = false;
   Condition condition_of(const CommandChannel::Standing& standing) const;

@@ -31,8 +31,8 @@ struct EnvironmentOptions {
   /// A time limit that is not given is that of the environment.
   EpisodeSettings episodes{};
   messages::Dialect dialect = messages::Dialect::ros1;
-  std::string folder{};               ///< of episodes.csv; empty: none
-  WriteFailures* failures = nullptr;  ///< as of RowFile
+  std::string folder{};               ///< folder of episodes.csv. Empty: no file
+  WriteFailures* failures = nullptr;  ///< see RowFile
 };
 
 class EnvironmentRobot : public Robot {

@@ -42,7 +42,7 @@ struct StepResult {
 class Episodes {
  public:
   /// @param folder where episodes.csv is written; empty: nowhere
-  /// @param failures as of RowFile
+  /// @param failures see RowFile
   /// @throws FileError when it cannot be written.
   Episodes(const EpisodeSettings& settings, const std::string& folder,
            WriteFailures* failures = nullptr);

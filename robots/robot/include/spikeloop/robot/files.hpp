@@ -12,8 +12,8 @@
 
 namespace spikeloop::robot {
 
-/// A text file with a row per event. With `failures` a write that fails is added to them, and ends
-/// the file; without, it throws FileError.
+/// A text file with a row per event. A failed write ends the file and is added to `failures`. If
+/// `failures` is null, it throws FileError.
 class RowFile {
  public:
   /// Replaces a file of the same name. @throws FileError.

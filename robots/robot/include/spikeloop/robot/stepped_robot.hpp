@@ -27,7 +27,7 @@ struct RobotOptions {
   std::optional<EpisodeSettings> episodes{};
   /// Where the vehicle's trajectory.csv, world.json and episodes.csv are written; empty: nowhere.
   std::string folder{};
-  WriteFailures* failures = nullptr;  ///< as of RowFile
+  WriteFailures* failures = nullptr;  ///< see RowFile
 };
 
 class SteppedRobot : public Robot {

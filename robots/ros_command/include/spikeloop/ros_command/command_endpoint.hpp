@@ -100,13 +100,13 @@ class CommandEndpoint {
   std::string stood_at_end_;
   const TimeNs watchdog_;
   const bool guard_required_;
-  std::unique_ptr<status::SupervisedRobot> supervised_;  ///< none on a local session
-  std::unique_ptr<guard::Link> guard_;                   ///< none on a local session
-  std::unique_ptr<Diagnostics> diagnostics_;             ///< none for a robot that is stepped
+  std::unique_ptr<status::SupervisedRobot> supervised_;  ///< null on a local session
+  std::unique_ptr<guard::Link> guard_;                   ///< null on a local session
+  std::unique_ptr<Diagnostics> diagnostics_;             ///< null for a robot that is stepped
   command::CommandSink sink_;
   std::unique_ptr<CommandTopics> topics_;  ///< end before what they bring goes to
   std::unique_ptr<status::TerminationHook> on_termination_;
-  std::unique_ptr<status::StopHook> on_stop_;  ///< none for a robot that is stepped
+  std::unique_ptr<status::StopHook> on_stop_;  ///< null for a robot that is stepped
 };
 
 }  // namespace spikeloop::ros_command
