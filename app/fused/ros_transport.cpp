@@ -35,8 +35,8 @@ RosTransport::RosTransport(const experiment::Experiment& experiment, const std::
   if (experiment.sync == Sync::lockstep) {
     robot_.emplace(*session_, experiment.tick, waiting_);
   } else if (!experiment.robot && !folder.empty()) {
-    odometry_.emplace(*session_, folder,
-                      failures);  // the simulated robot writes trajectory.csv itself
+    // The simulated robot writes trajectory.csv itself.
+    odometry_.emplace(*session_, folder, failures);
   }
 }
 

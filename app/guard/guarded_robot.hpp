@@ -16,9 +16,8 @@ namespace spikeloop::guard {
 class GuardedRobot {
  public:
   struct Events {
-    std::function<void()> changed;  ///< needed() or ended() may have changed
-    std::function<void(const Hello&)>
-        stopped;  ///< called after a stop of a robot whose adapter had died
+    std::function<void()> changed;              ///< needed() or ended() may have changed
+    std::function<void(const Hello&)> stopped;  ///< a robot was stopped: its adapter had died
   };
   /// Both events are called from its thread.
   GuardedRobot(Descriptor socket, Robots& robots, Events events);

@@ -216,8 +216,7 @@ constexpr Explanation kExplanations[] = {
     {Code::resource, "This machine has too little of a resource for the run",
      "Shared memory, open files, address space or participants of a ROS 2 domain. Programs would "
      "crash or hang during the run. The message names the requirement and the remedy; `spikeloop "
-     "doctor` "
-     "lists all resources."},
+     "doctor` lists all resources."},
 
     {Code::no_ros_master, "No ROS master answers",
      "Start one by roscore, or set ROS_MASTER_URI to the address of one that runs."},
