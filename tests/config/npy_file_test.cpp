@@ -237,7 +237,7 @@ TEST(NpyFile, WhatIsWrittenIsRead) {
 TEST(NpyFile, SaysWhyItCannotBeWritten) {
   const std::vector<double> values(4);
   EXPECT_THAT(message_of([&] { write_npy("/nowhere/w.npy", 2, 2, values); }),
-              Fault("cannot write '/nowhere/w.npy': ... [SL0109]"));
+              Fault("cannot create '/nowhere/w.npy': ... [SL0109]"));
   EXPECT_EQ(message_of([&] { write_npy("/dev/full", 2, 2, values); }),
             "cannot write '/dev/full': No space left on device [SL0109]");
   EXPECT_THROW(write_npy("w.npy", 2, 3, values), std::logic_error);

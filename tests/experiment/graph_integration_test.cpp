@@ -143,7 +143,7 @@ TEST(GraphPicture, OfWrongFiles) {
   directory.write("y.yaml", spikeloop({"new"}, directory).out);
   const Outcome nowhere = spikeloop({"graph", "y.yaml", "--out", "no/x.svg"}, directory);
   EXPECT_EQ(nowhere.exit_code, 4);
-  EXPECT_THAT(nowhere.err, Fault("spikeloop: cannot write 'no/x.svg': ... [SL0109]\n"));
+  EXPECT_THAT(nowhere.err, Fault("spikeloop: cannot create 'no/x.svg': ... [SL0109]\n"));
 }
 
 /// Width and height of a PNG, from its header.
@@ -171,7 +171,7 @@ TEST(Graph, PngIsTwiceAsLargeAsTheSvg) {
   EXPECT_NEAR(width, 2 * std::stod(size[1]), 3);
   EXPECT_NEAR(height, 2 * std::stod(size[2]), 3);
   EXPECT_THAT(spikeloop({"graph", "y.yaml", "--out", "no/x.png"}, directory).err,
-              Fault("spikeloop: cannot write 'no/x.png': ... [SL0109]\n"));
+              Fault("spikeloop: cannot create 'no/x.png': ... [SL0109]\n"));
 }
 
 TEST(Graph, WithoutGraphvizThereIsItsInput) {

@@ -208,7 +208,7 @@ TEST(RobotErrors, Files) {
                  "cannot make directory '/dev/null/run': Not a directory [SL0109]");
   std::filesystem::create_directories(job.directory().path() / "run/trajectory.csv");
   expect_failure(job, {"--out", "run"}, 4,
-                 "cannot write 'run/trajectory.csv': Is a directory [SL0109]");
+                 "cannot create 'run/trajectory.csv': Is a directory [SL0109]");
   std::filesystem::create_directories(job.directory().path() / "other/world.json");
   expect_failure(job, {"--out", "other"}, 4,
                  "cannot write 'other/world.json': Is a directory [SL0109]");
