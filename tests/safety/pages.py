@@ -26,7 +26,8 @@ def outcome(cell):
 
 def _general(text):
     """The text without what differs between layouts and runs: names of processes, their numbers."""
-    text = re.sub(r"\b(process|pid) \d+", r"\1 N", text.replace("|", "/"))
+    text = re.sub(r"(\bprocess|\bpid|-CONT) \d+", r"\1 N", text.replace("|", "/"))
+    text = re.sub(r"(spikeloop-scratch-)\w{6}", r"\1*", text)
     text = re.sub(r"^\w+: warning: (node '\w+': )?", "warning: ", text)
     return re.sub(r"^('\w+' \([\w.-]+\)|spikeloop-fused)(?= (was|ended))", "PROCESS", text)
 
