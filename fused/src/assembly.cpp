@@ -242,10 +242,13 @@ void Assembly::open_bag() {
   const auto has_topic = [](const Node& node) { return experiment::has_topic(node.kind); };
   if (std::ranges::any_of(experiment_.nodes, has_topic) && one_meets_robot(experiment_) &&
       meets_robot(experiment_, process_)) {
-    messages_ = std::make_unique<bag::Recorder>(
-        folder_ + "/" + kMessagesFile,
-        bag::RecorderOptions{.patient = experiment_.sync != experiment::Sync::realtime,
-                             .failures = &failures_});
+    bag::RecorderOptions options{.patient = experiment_.sync != experiment::Sync::realtime,
+                                 .failures = &failures_};
+    if (options.patient) {
+      constexpr std::size_t kEnough = std::size_t{4} << 20;  // the loop waits for the writer
+      options.capacity_bytes = kEnough;
+    }
+    messages_ = std::make_unique<bag::Recorder>(folder_ + "/" + kMessagesFile, options);
     if (const std::string resolved = folder_ + "/resolved.json";
         std::filesystem::exists(resolved)) {
       constexpr std::uint64_t kLimit = std::uint64_t{1} << 30;
