@@ -115,6 +115,7 @@ struct Recorder::Impl : WrittenFile {
       : path(path_), tick(tick_), options(options_) {}
 
   bool serve(std::size_t files) override;
+  bool is_patient() const override { return options.patient; }
   void collect(const std::vector<std::shared_ptr<Stream>>& all);
   void flush(const std::vector<std::shared_ptr<Stream>>& all);
   void write_safely(hsize_t growth, const std::function<void()>& action);

@@ -1,5 +1,7 @@
 #include "writer.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <ctime>
 #include <set>
@@ -49,6 +51,15 @@ void Writer::add(std::shared_ptr<WrittenFile> file) {
   files_.push_back(std::move(file));
 }
 
+void Writer::return_memory(bool all_patient) {
+  constexpr std::chrono::seconds kPeriod{10};
+  const auto now = std::chrono::steady_clock::now();
+  if (all_patient && now - returned_ > kPeriod) {
+    returned_ = now;
+    malloc_trim(0);
+  }
+}
+
 void Writer::run() {
   while (!stop_.load()) {
     wake_->wait();
@@ -63,6 +74,7 @@ void Writer::run() {
         closed.insert(file.get());
       }
     }
+    return_memory(std::ranges::all_of(files, [](const auto& file) { return file->is_patient(); }));
     const std::lock_guard lock(mutex_);
     std::erase_if(files_, [&](const auto& file) { return closed.contains(file.get()); });
   }

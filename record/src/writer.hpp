@@ -5,6 +5,7 @@
 #include <semaphore.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <mutex>
@@ -36,6 +37,8 @@ class WrittenFile {
   /// Writer's thread, after every wake: moves data towards the disk. `files` is the number of files
   /// that share the thread. False once the file is closed.
   virtual bool serve(std::size_t files) = 0;
+  /// True if the loop may wait for the writer.
+  virtual bool is_patient() const = 0;
 };
 
 class Writer {
@@ -53,10 +56,14 @@ class Writer {
 
  private:
   void run();
+  /// Buffers of many sizes fragment the memory of a long run. Returning it delays other threads a
+  /// little, so a loop that follows the wall clock goes without.
+  void return_memory(bool all_patient);
 
   std::shared_ptr<Wake> wake_ = std::make_shared<Wake>();
   std::mutex mutex_;
   std::vector<std::shared_ptr<WrittenFile>> files_;
+  std::chrono::steady_clock::time_point returned_ = std::chrono::steady_clock::now();
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };
