@@ -11,6 +11,7 @@ Every run is a process of its own, `spikeloop run`, and gives what the command l
 printed; what goes wrong is a SpikeloopError.
 """
 
+import contextlib
 import json
 import os
 import pathlib
@@ -18,6 +19,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import threading
 import warnings
 import weakref
 
@@ -58,6 +60,28 @@ def setting_words(settings, text=value_text):
     return [argument for word in words for argument in ("--set", word)]
 
 
+@contextlib.contextmanager
+def suspending(processes):
+    """While the block runs, Ctrl-Z also suspends these processes, and fg continues them: they have sessions of their
+    own, which the terminal does not signal.
+    @param processes returns the running ones as a list of Popen"""
+    def suspend(*_):
+        for process in processes():
+            process.send_signal(signal.SIGTSTP)
+        os.kill(os.getpid(), signal.SIGSTOP)
+        for process in processes():
+            process.send_signal(signal.SIGCONT)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield  # Python permits signal handlers in the main thread only
+        return
+    before = signal.signal(signal.SIGTSTP, suspend)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTSTP, before)
+
+
 def call(*words):
     """Standard output of `spikeloop WORDS`. @raises SpikeloopError; KeyboardInterrupt after its end"""
     try:
@@ -67,7 +91,7 @@ def call(*words):
                                    stdin=subprocess.DEVNULL, text=True, start_new_session=True)
     except (OSError, ValueError) as error:  # too many settings, a zero byte
         raise SpikeloopError(f"spikeloop {words[0]} cannot be started: {error}", 3) from None
-    with process:
+    with process, suspending(lambda: [process]):
         try:
             out, said = process.communicate()
         except KeyboardInterrupt:  # not of the process, whose session is its own

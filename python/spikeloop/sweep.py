@@ -20,7 +20,7 @@ import sys
 import time
 
 from .design import DesignError, design
-from .experiment import SpikeloopError, call, program, setting_words
+from .experiment import SpikeloopError, call, program, setting_words, suspending
 from .progress import Progress, Stopped, end_process, note_signals
 from .run_folder import counters_of, did_you_mean
 from .summary import ROWS
@@ -243,19 +243,23 @@ class Sweeping:
 
     def run(self, signals):
         """@raises Stopped: a signal is in the list"""
-        while self._open or self.running:
-            if signals:
-                raise Stopped(signals[0])
-            while self._open and len(self.running) < self._jobs:
-                self.running.append(Worker(self._sweep, self._open.pop(0)))
-            done = [worker for worker in self.running if worker.process.poll() is not None]
-            for worker in done:
-                self.running.remove(worker)
-                self._end(worker)
-            if done:
-                self._say()
-            else:
-                time.sleep(0.01)
+        with suspending(lambda: [worker.process for worker in self.running]):
+            while self._open or self.running:
+                if signals:
+                    raise Stopped(signals[0])
+                self._turn()
+
+    def _turn(self):
+        while self._open and len(self.running) < self._jobs:
+            self.running.append(Worker(self._sweep, self._open.pop(0)))
+        done = [worker for worker in self.running if worker.process.poll() is not None]
+        for worker in done:
+            self.running.remove(worker)
+            self._end(worker)
+        if done:
+            self._say()
+        else:
+            time.sleep(0.01)
 
     def _end(self, worker):
         exit_code, said = worker.process.returncode, worker.said()

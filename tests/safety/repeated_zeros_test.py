@@ -20,7 +20,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "support"))
 import jobs  # noqa: E402
 
 PAUSE_S = 1.5  # no command after SIGCONT
-LONGEST_GAP_S = 0.4  # a busy machine may delay a zero, which is due every 50 ms
+LONGEST_GAP_S = 0.4  # a busy machine may delay a zero
+PERIOD_S = 0.05
 
 
 def longest_gap(robot, begin, end):
@@ -28,6 +29,7 @@ def longest_gap(robot, begin, end):
     heard = [(at, value) for at, value in list(robot.heard) if begin < at < end]
     assert not any(value for _, value in heard), heard
     times = [begin, *(at for at, _ in heard), end]
+    assert len(heard) > (end - begin) / PERIOD_S / 2, heard
     return max(later - earlier for earlier, later in zip(times, times[1:])), len(heard)
 
 

@@ -1,6 +1,7 @@
 // Starts and supervises the guard, and warns of stopped processes.
 #include <fmt/format.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <thread>
@@ -31,17 +32,6 @@ bool commands_robot(const MusicFile& file) {
     const Program* program = find_program(file, section);
     return program != nullptr && program->ros && (program->input || program->commands_robot);
   });
-}
-
-/// Stops this process as Ctrl-Z does, and returns when it is continued.
-void stop_self() {
-  sigset_t stop;
-  sigset_t before;
-  sigemptyset(&stop);
-  sigaddset(&stop, SIGTSTP);
-  raise(SIGTSTP);  // blocked until the next line
-  pthread_sigmask(SIG_UNBLOCK, &stop, &before);
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 }  // namespace
@@ -119,13 +109,17 @@ void JobRun::warn_of_stopped_process() {
 }
 
 void JobRun::suspend() {
-  log::info("suspended by Ctrl-Z; fg continues");
+  if (!options_.hostfile.empty()) {
+    log::warning("Ctrl-Z does not suspend a run on several hosts; Ctrl-C stops it");
+    return;
+  }
+  log::info("suspended by Ctrl-Z; fg, or  kill -CONT {},  continues", getpid());
   if (supervision_) {
     supervision_->suspend(true);
     std::this_thread::sleep_for(kSuspendGrace);
   }
   signal_programs(SIGSTOP);
-  stop_self();
+  raise(SIGSTOP);  // SIGTSTP does nothing to a process that has no shell
   signal_programs(SIGCONT);
   if (supervision_) {
     supervision_->suspend(false);
@@ -141,6 +135,9 @@ void JobRun::signal_programs(int number) {
 }
 
 void JobRun::allow_for_pause() {
+  if (supervision_) {
+    supervision_->turn();
+  }
   const auto now = Clock::now();
   const auto turn = now - std::exchange(turned_, now);
   if (turn > kLongestTurn) {

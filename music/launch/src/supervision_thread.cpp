@@ -6,14 +6,13 @@
 #include <chrono>
 #include <utility>
 
-#include "spikeloop/core/pacer.hpp"
 #include "spikeloop/core/priority.hpp"
 #include "spikeloop/processes/descendants.hpp"
 
 namespace spikeloop::launch {
 
 SupervisionThread::SupervisionThread(const std::string& path)
-    : page_(path), thread_([this] { run(); }) {}
+    : page_(path), turned_(wall_now()), thread_([this] { run(); }) {}
 
 SupervisionThread::~SupervisionThread() {
   ending_.store(true);
@@ -29,7 +28,7 @@ void SupervisionThread::run() {
   run_before_others();
   while (!ending_.load()) {
     stopped_.store(find_stopped());
-    if (stopped_.load() == 0) {
+    if (stopped_.load() == 0 && wall_now() - turned_.load() < kLongestHang) {
       page_.beat(wall_now());
     }
     continue_guard();

@@ -9,12 +9,15 @@
 #include <thread>
 #include <vector>
 
+#include "spikeloop/core/pacer.hpp"
 #include "spikeloop/status/supervision.hpp"
 
 namespace spikeloop::launch {
 
-/// Beats every 20 ms while all processes that supervise the job run. A thread of its own, because
-/// the launcher's loop may wait for a terminal or a disk.
+/// The launcher's loop may wait for a slow disk or a new guard, but no longer.
+inline constexpr TimeNs kLongestHang = 10 * kNsPerSecond;
+
+/// Beats every 20 ms while all processes that supervise the job run and the launcher's loop turns.
 class SupervisionThread {
  public:
   /// @param path path of the new file for the adapters @throws FileError
@@ -23,6 +26,8 @@ class SupervisionThread {
   SupervisionThread(const SupervisionThread&) = delete;
   SupervisionThread& operator=(const SupervisionThread&) = delete;
 
+  /// The launcher's loop has turned. Without a call for kLongestHang no more beats are sent.
+  void turn() { turned_.store(wall_now()); }
   /// Processes without which nobody supervises the job: no beats while one of them is stopped by
   /// SIGSTOP or SIGTSTP.
   void require(std::vector<pid_t> processes);
@@ -46,6 +51,7 @@ class SupervisionThread {
   status::Supervision page_;
   std::mutex mutex_;
   std::vector<pid_t> required_;
+  std::atomic<TimeNs> turned_;
   std::atomic<pid_t> guard_{0};
   std::atomic<pid_t> stopped_{0};
   std::atomic<bool> continued_{false};
