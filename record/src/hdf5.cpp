@@ -162,7 +162,11 @@ GrowingDataset::GrowingDataset(hid_t group, const char* name, hid_t type, hsize_
 }
 
 void GrowingDataset::open(hid_t group) {
-  dataset_ = Handle(check(H5Dopen2(group, name_.c_str(), H5P_DEFAULT), "write", path_));
+  const Handle access(H5Pcreate(H5P_DATASET_ACCESS));
+  // Rows are only appended: one chunk in the cache is enough, by default there are 1 MB.
+  const std::size_t chunk_bytes = chunk_rows_ * std::max<hsize_t>(1, width_) * sizeof(double);
+  H5Pset_chunk_cache(access.get(), 1, chunk_bytes, 1);
+  dataset_ = Handle(check(H5Dopen2(group, name_.c_str(), access.get()), "write", path_));
 }
 
 void GrowingDataset::close() {

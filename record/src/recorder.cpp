@@ -31,7 +31,7 @@ constexpr hsize_t kSpareBytes = 65'536;  // object headers, attributes
 /// A file is flushed when this much of its data waits; less if many files share the memory.
 constexpr std::size_t kMostBatchBytes = std::size_t{2} << 20;
 constexpr std::size_t kLeastBatchBytes = std::size_t{1} << 16;
-constexpr std::size_t kAllBatchBytes = std::size_t{8} << 20;
+constexpr std::size_t kAllBatchBytes = std::size_t{2} << 20;
 /// Size of HDF5's metadata cache, per file. HDF5 counts a node of the chunk index as 2 kB, but
 /// allocates 25 kB.
 constexpr std::size_t kMetadataBytes = std::size_t{1} << 15;

@@ -11,6 +11,9 @@ namespace {
 /// Channels of a stream. Compression takes a third of a core for a million spikes a second, which
 /// more neurons may well have.
 constexpr std::uint32_t kMostCompressed = 10'000;
+/// Values that are written at once. Buffers of the same size every time do not fragment the memory
+/// of a long run.
+constexpr std::size_t kSlice = std::size_t{1} << 14;
 constexpr std::size_t kMostNames = 1000;  // an attribute has room for 64 KiB
 
 }  // namespace
@@ -155,19 +158,25 @@ void SpikeStream::take(const Step& step) {
 }
 
 void SpikeStream::append() {
-  std::vector<double> milliseconds(batch_.size());
-  std::vector<std::int64_t> nanoseconds(batch_.size());
-  std::vector<std::uint64_t> ids(batch_.size());
-  for (std::size_t i = 0; i < batch_.size(); ++i) {
-    nanoseconds[i] = batch_[i].time_ns;
-    milliseconds[i] = static_cast<double>(batch_[i].time_ns) / 1e6;
-    ids[i] = static_cast<std::uint64_t>(batch_[i].channel);
-    sorted_ = sorted_ && batch_[i].time_ns >= last_;
-    last_ = batch_[i].time_ns;
+  std::vector<double> milliseconds;
+  std::vector<std::int64_t> nanoseconds;
+  std::vector<std::uint64_t> ids;
+  for (std::size_t begin = 0; begin < batch_.size(); begin += kSlice) {
+    const auto slice = std::span(batch_).subspan(begin, std::min(kSlice, batch_.size() - begin));
+    milliseconds.resize(slice.size());
+    nanoseconds.resize(slice.size());
+    ids.resize(slice.size());
+    for (std::size_t i = 0; i < slice.size(); ++i) {
+      nanoseconds[i] = slice[i].time_ns;
+      milliseconds[i] = static_cast<double>(slice[i].time_ns) / 1e6;
+      ids[i] = static_cast<std::uint64_t>(slice[i].channel);
+      sorted_ = sorted_ && slice[i].time_ns >= last_;
+      last_ = slice[i].time_ns;
+    }
+    timestamps_.append(milliseconds.data(), slice.size(), H5T_NATIVE_DOUBLE);
+    node_ids_.append(ids.data(), slice.size(), H5T_NATIVE_UINT64);
+    timestamps_ns_.append(nanoseconds.data(), slice.size(), H5T_NATIVE_INT64);
   }
-  timestamps_.append(milliseconds.data(), milliseconds.size(), H5T_NATIVE_DOUBLE);
-  node_ids_.append(ids.data(), ids.size(), H5T_NATIVE_UINT64);
-  timestamps_ns_.append(nanoseconds.data(), nanoseconds.size(), H5T_NATIVE_INT64);
   write_sorting(sorted_);
 }
 
@@ -249,18 +258,23 @@ void SignalStream::put_row(TimeNs time, std::span<const double> values) {
 }
 
 void SignalStream::append() {
-  const std::size_t rows = batch_items();
-  std::vector<std::int64_t> times(rows);
-  std::vector<double> values(rows * width());
-  const std::size_t row = width() + 1;
-  for (std::size_t i = 0; i < rows; ++i) {
-    const std::int64_t* begin = batch_.data() + i * row;
-    times[i] = *begin;
-    std::transform(begin + 1, begin + row, values.data() + i * width(),
-                   [](std::int64_t bits) { return std::bit_cast<double>(bits); });
+  const std::size_t row = width() + std::size_t{1};
+  const std::size_t most = std::max<std::size_t>(1, kSlice / row);
+  std::vector<std::int64_t> times;
+  std::vector<double> values;
+  for (std::size_t first = 0; first < batch_items(); first += most) {
+    const std::size_t rows = std::min(most, batch_items() - first);
+    times.resize(rows);
+    values.resize(rows * width());
+    for (std::size_t i = 0; i < rows; ++i) {
+      const std::int64_t* begin = batch_.data() + (first + i) * row;
+      times[i] = *begin;
+      std::transform(begin + 1, begin + row, values.data() + i * width(),
+                     [](std::int64_t bits) { return std::bit_cast<double>(bits); });
+    }
+    times_.append(times.data(), rows, H5T_NATIVE_INT64);
+    values_.append(values.data(), rows, H5T_NATIVE_DOUBLE);
   }
-  times_.append(times.data(), rows, H5T_NATIVE_INT64);
-  values_.append(values.data(), rows, H5T_NATIVE_DOUBLE);
 }
 
 }  // namespace spikeloop::record

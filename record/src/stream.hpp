@@ -112,7 +112,7 @@ class SpikeStream : public Stream {
  private:
   void drain() override { ring_.drain(batch_); }
   void append() override;
-  void clear() override { std::vector<Spike>().swap(batch_); }  // clear() would keep the memory
+  void clear() override { batch_.clear(); }
   std::vector<hdf5::GrowingDataset*> datasets() override {
     return {&timestamps_, &timestamps_ns_, &node_ids_};
   }
@@ -142,7 +142,7 @@ class SignalStream : public Stream {
  private:
   void drain() override { ring_.drain(batch_); }
   void append() override;
-  void clear() override { std::vector<std::int64_t>().swap(batch_); }
+  void clear() override { batch_.clear(); }
   std::vector<hdf5::GrowingDataset*> datasets() override { return {&times_, &values_}; }
 
   void put_row(TimeNs time, std::span<const double> values);
