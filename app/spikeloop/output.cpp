@@ -58,17 +58,33 @@ struct BackgroundOutput::Impl {
 
 namespace {
 
+/// Protects `background`: a thread can print while the BackgroundOutput ends.
+std::mutex background_mutex;
 BackgroundOutput::Impl* background = nullptr;
+
+/// False if no BackgroundOutput exists.
+bool queue_in_background(std::FILE* stream, std::string_view text) {
+  const std::lock_guard lock(background_mutex);
+  if (background == nullptr) {
+    return false;
+  }
+  background->queue(stream, text);
+  return true;
+}
 
 }  // namespace
 
 BackgroundOutput::BackgroundOutput() {
   impl_ = std::make_unique<Impl>();
+  const std::lock_guard lock(background_mutex);
   background = impl_.get();
 }
 
 BackgroundOutput::~BackgroundOutput() {
-  background = nullptr;
+  {
+    const std::lock_guard lock(background_mutex);
+    background = nullptr;
+  }
   {
     const std::lock_guard lock(impl_->mutex);
     impl_->ended = true;
@@ -78,13 +94,12 @@ BackgroundOutput::~BackgroundOutput() {
 }
 
 void put(std::FILE* stream, std::string_view text) noexcept {
-  if (background != nullptr) {
-    try {
-      background->queue(stream, text);
-    } catch (const std::bad_alloc&) {
-      // As what cannot be written.
+  try {
+    if (queue_in_background(stream, text)) {
+      return;
     }
-    return;
+  } catch (const std::bad_alloc&) {
+    return;  // like text that cannot be written
   }
   std::fwrite(text.data(), 1, text.size(), stream);
   std::fflush(stream);
