@@ -24,7 +24,7 @@ constexpr std::uint64_t kCue = 2;
 constexpr int kTriesPerObstacle = 100;
 constexpr int kLayouts = 2000;
 constexpr int kTriesForStart = 20000;
-constexpr std::size_t kComparisons = 20'000'000;  // comparisons of obstacles, in all layouts
+constexpr std::size_t kComparisons = 200'000'000;  // comparisons of obstacles, in all layouts
 constexpr double kLongestSide = 1000;             // m
 
 struct Circle {
