@@ -1,7 +1,6 @@
 """STOP reaches the robot in time, in every layout."""
 
 import json
-import statistics
 import time
 import unittest
 
@@ -24,7 +23,7 @@ class Attacked(viewing.FolderCase):
                 with self.subTest(kind):
                     times = attacked.times_to_zero(robot, self.folder, kind, count, 9)
                     # A busy machine may delay one trial of nine.
-                    self.assertLess(statistics.median(times), ATTACKED_MS, times)
+                    self.assertLess(sorted(times)[-2], ATTACKED_MS, times)
 
 
 class Stop(viewing.FolderCase):
