@@ -12,7 +12,14 @@ def provide_home():
         pathlib.Path.home()
     except RuntimeError:
         home = pathlib.Path(tempfile.gettempdir(), f"spikeloop-home-{os.getuid()}")
-        home.mkdir(mode=0o700, exist_ok=True)
-        found = home.lstat()
-        is_ours = found.st_uid == os.getuid() and not home.is_symlink() and not found.st_mode & 0o077
-        os.environ["HOME"] = str(home) if is_ours else "/nonexistent"
+        os.environ["HOME"] = str(home) if _is_private(home) else "/nonexistent"
+
+
+def _is_private(folder):
+    """Creates the folder. False if that fails, or if another user has made it or can write to it."""
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+    except OSError:
+        return False
+    return found.st_uid == os.getuid() and not folder.is_symlink() and not found.st_mode & 0o077
