@@ -35,8 +35,9 @@ std::size_t Hub::look() {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
     const std::string path = entry.path().string();
-    if (entry.path().extension() == kExtension && known_.insert(path).second) {
+    if (entry.path().extension() == kExtension && !known_.contains(path)) {
       processes_.push_back({live::FeedReader(path), {}});
+      known_.insert(path);  // only now: if the file cannot be opened, the next call tries again
     }
   }
   for (Process& process : processes_) {
