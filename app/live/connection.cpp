@@ -83,7 +83,7 @@ bool Connection::wants_to_receive() const {
 bool Connection::wants_to_write() const {
   return output_at_ < output_.size() || frame_ || !own_.empty() ||
          (state_ == State::closing && !shut_) ||
-         (client_ && !client_->outbox.is_empty() && !locked_);
+         (client_ && (client_->outbox.is_closed() || (!client_->outbox.is_empty() && !locked_)));
 }
 
 bool Connection::lags(TimeNs now, TimeNs patience) {
