@@ -37,13 +37,36 @@ bool is_stream(const fs::path& path) {
          type == fs::file_type::block || type == fs::file_type::socket;
 }
 
+/// True if a file cannot be removed or renamed for a reason that may not prevent writing to it: it
+/// is bind-mounted into a container, or only its folder is not writable.
+bool prevents_replacement(int error) {
+  return error == EBUSY || error == EACCES || error == EPERM || error == EROFS;
+}
+
+/// Empties a file that cannot be replaced and opens it. A symbolic link, a file of another user and
+/// a file with a second name are refused. -1 with errno `error` if it fails.
+int open_existing(const std::string& path, int error) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
+  struct stat status {};
+  const bool is_ours = file >= 0 && ::fstat(file, &status) == 0 && S_ISREG(status.st_mode) &&
+                       status.st_uid == ::geteuid() && status.st_nlink == 1;
+  if (is_ours && ::ftruncate(file, 0) == 0) {
+    return file;
+  }
+  if (file >= 0) {
+    ::close(file);
+  }
+  errno = error;
+  return -1;
+}
+
 /// -1 with errno if it fails.
 int open_new(const std::string& path) {
   if (is_stream(path)) {
     return ::open(path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
   }
   if (::unlink(path.c_str()) != 0 && errno != ENOENT) {
-    return -1;
+    return prevents_replacement(errno) ? open_existing(path, errno) : -1;
   }
   return ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
 }
@@ -61,6 +84,14 @@ std::ofstream stream_of(int file) {
     stream.setstate(std::ios::failbit);
   }
   return stream;
+}
+
+/// Returns 0, or the errno of the failure, also if `file` is -1. Closes `file`.
+int write_text(int file, std::string_view text) {
+  std::ofstream stream = stream_of(file);
+  stream << text;
+  stream.close();
+  return stream ? 0 : (errno == 0 ? EIO : errno);
 }
 
 }  // namespace
@@ -124,24 +155,27 @@ std::string read_file(const std::string& path, std::string_view kind, std::uint6
 }
 
 void write_file(const std::string& path, std::string_view text) {
-  std::error_code error;
-  const bool in_place = is_stream(path);
-  const std::string written = in_place ? path : path + ".new";
   errno = 0;
-  std::ofstream file = stream_of(open_new(written));
-  file << text;
-  file.close();
-  if (!file) {
-    error.assign(errno == 0 ? EIO : errno, std::generic_category());
-  } else if (!in_place) {
-    fs::rename(written, path, error);
-  }
-  if (error) {
-    const int number = error.value();
-    if (!in_place) {
-      fs::remove(written, error);
+  int error = 0;
+  if (is_stream(path)) {
+    error = write_text(open_new(path), text);
+  } else {
+    const std::string written = path + ".new";
+    std::error_code renamed;
+    error = write_text(open_new(written), text);
+    if (error == 0) {
+      fs::rename(written, path, renamed);
+      error = renamed.value();
     }
-    throw FileError("write", path, number);
+    if (error != 0) {
+      fs::remove(written, renamed);
+    }
+    if (prevents_replacement(error)) {
+      error = write_text(open_existing(path, error), text);
+    }
+  }
+  if (error != 0) {
+    throw FileError("write", path, error);
   }
 }
 

@@ -66,6 +66,47 @@ TEST_F(WriteFile, ReplacesALinkAndNotItsTarget) {
   }
 }
 
+/// User without write permission in `folder`, which contains only files of this user.
+class ReadOnlyFolder {
+ public:
+  explicit ReadOnlyFolder(const fs::path& folder) : folder_(folder) {
+    const uid_t user = ::geteuid() == 0 ? 65534 : ::geteuid();
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      EXPECT_EQ(::lchown(entry.path().c_str(), user, static_cast<gid_t>(-1)), 0);
+    }
+    ::chmod(folder_.c_str(), 0555);
+    EXPECT_EQ(::seteuid(user), 0);
+  }
+  ~ReadOnlyFolder() {
+    EXPECT_EQ(::seteuid(::getuid()), 0);
+    ::chmod(folder_.c_str(), 0755);
+  }
+  ReadOnlyFolder(const ReadOnlyFolder&) = delete;
+  ReadOnlyFolder& operator=(const ReadOnlyFolder&) = delete;
+
+ private:
+  fs::path folder_;
+};
+
+TEST_F(WriteFile, WritesInPlaceIfTheFolderIsReadOnly) {
+  for (const char* name : {"a", "b", "target", "named"}) {
+    write_file(path(name), "first, and longer");
+  }
+  fs::create_symlink(path("target"), path("link"));
+  fs::create_hard_link(path("named"), path("second_name"));
+  const ReadOnlyFolder folder(fs::path(path("a")).parent_path());
+  write_file(path("a"), "second");
+  create_stream(path("b")) << "second";
+  EXPECT_EQ(text("a"), "second");
+  EXPECT_EQ(text("b"), "second");
+  for (const char* refused : {"link", "named", "missing"}) {
+    EXPECT_THROW(write_file(path(refused), "second"), FileError) << refused;
+    EXPECT_THROW(create_file(path(refused)), FileError) << refused;
+  }
+  EXPECT_EQ(text("target"), "first, and longer");
+  EXPECT_EQ(text("named"), "first, and longer");
+}
+
 TEST_F(WriteFile, CopiesAnEmptyFile) {
   write_file(path("source"), "");
   copy_to_new_file(path("source"), path("copy"));
