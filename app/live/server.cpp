@@ -50,7 +50,7 @@ constexpr TimeNs kIdlePatience = 5 * kNsPerSecond;     // between requests
 constexpr TimeNs kLagPatience = 5 * kNsPerSecond;
 constexpr TimeNs kClosePatience = kNsPerSecond;
 constexpr TimeNs kPingAfter = 10 * kNsPerSecond;
-constexpr TimeNs kSilencePatience = 20 * kNsPerSecond;
+constexpr TimeNs kPongPatience = 10 * kNsPerSecond;
 constexpr TimeNs kLogPeriod = kNsPerSecond;
 /// Time for sending queued frames after the end of the run.
 constexpr TimeNs kLastWords = kNsPerSecond / 2;
@@ -68,8 +68,7 @@ std::string machine_name() {
 
 /// Reason to refuse the handshake of RFC 6455 (4.2.1). Empty if it is valid.
 std::string wrong_handshake(const HttpRequest& request) {
-  if (request.method != "GET" || !request.lists("upgrade", "websocket") ||
-      request.header("sec-websocket-key").empty()) {
+  if (request.method != "GET" || request.header("sec-websocket-key").empty()) {
     return "the request to upgrade is not one for a WebSocket";
   }
   if (request.header("sec-websocket-version") != "13") {
@@ -220,7 +219,7 @@ void Server::Impl::handle_head(Connection& connection, std::string_view head) {
     refuse(connection, 403,
            fmt::format("origin '{}' is not allowed; open the printed address, which has the token",
                        origin));
-  } else if (request->headers.contains("upgrade")) {
+  } else if (request->lists("upgrade", "websocket")) {
     upgrade(connection, *request, has_token);
   } else if (request->method != "GET" && request->method != "HEAD") {
     refuse(connection, 405, fmt::format("method '{}' is not allowed; use GET", request->method));
@@ -432,8 +431,10 @@ bool Server::Impl::has_expired(Connection& connection) {
     case State::viewer:
       break;
   }
-  const TimeNs silence = now - connection.received();
-  if (silence > kPingAfter && now - connection.pinged > kPingAfter) {
+  // A pause of this process (SIGSTOP, a virtual machine) is no silence of the viewer: a viewer is
+  // dropped only if it does not answer a ping.
+  const bool awaits_pong = connection.pinged > connection.received();
+  if (!awaits_pong && now - connection.received() > kPingAfter) {
     connection.pinged = now;
     connection.send(frame_header(Opcode::ping, 0));
   }
@@ -441,7 +442,7 @@ bool Server::Impl::has_expired(Connection& connection) {
     report(connection, fmt::format("disconnected: the viewer has read nothing for {} s",
                                    kLagPatience / kNsPerSecond));
   }
-  return lags || silence > kSilencePatience;
+  return lags || (awaits_pong && now - connection.pinged > kPongPatience);
 }
 
 Server::Server(const ServerOptions& options) : impl_(std::make_unique<Impl>(options)) {}

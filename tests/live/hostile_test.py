@@ -74,6 +74,12 @@ class Hostile(viewing.FolderCase):
         _, printed = run.interrupt()
         self.assertIn("spikeloop-live: 127.0.0.1 refused with 403: origin 'http://evil.example'", printed)
 
+    def test_upgrade_to_another_protocol_is_ignored(self):
+        run = self.start()
+        request = urllib.request.Request(run.site(), headers={"Upgrade": "h2c"})  # curl --http2
+        with urllib.request.urlopen(request, timeout=10) as response:
+            self.assertEqual(response.status, 200)
+
     def test_what_is_not_http(self):
         run = self.start()
         for request in (b"x\r\n\r\n", b"GET / HTTP/1.0\r\n\r\n", b"\0" * 9000,
