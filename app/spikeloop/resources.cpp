@@ -5,15 +5,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <string_view>
 
 #include "output.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
 #include "spikeloop/discovery/discovery.hpp"
 #include "spikeloop/launch/programs.hpp"
 #include "spikeloop/live/feed.hpp"
 #include "spikeloop/processes/scratch_folder.hpp"
+#include "spikeloop/session/rclcpp.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -21,8 +25,10 @@ namespace {
 // Measured with Open MPI 4.1.4 and PMIx 4.2.2 (2026-11-29).
 
 /// Shared memory of a program whose messages are not received: at most 512 messages of 4 kB, and
-/// the queues of up to six partners. Programs of typical jobs use 0.1 MB.
-constexpr double kMessages_MB = 2.5;
+/// the queues of up to six partners.
+constexpr double kMostMessages_MB = 2.5;
+/// Shared memory of a program of a typical job: 0.1 MB, and a reserve.
+constexpr double kTypicalMessages_MB = 0.2;
 /// mpirun requires so much free shared memory for every program that starts.
 constexpr double kSegment_MB = 4.4;
 /// Files of mpirun, and more per program. Jobs of 2, 6, 12 and 20 programs start with 35, 51, 75
@@ -32,9 +38,13 @@ constexpr std::size_t kFilesPerProgram = 4;
 /// Files of a program over ROS 2 that records; it is the largest.
 constexpr std::size_t kFilesWithoutMpirun = 28;
 /// Address space of a program under mpirun (6 threads), and of one with a session of ROS 2 (15
-/// threads).
+/// threads). Most of it are malloc's arenas of the threads, without which programs run as well.
 constexpr double kMpiAddresses_MB = 510;
 constexpr double kRos2Addresses_MB = 970;
+constexpr double kLeastAddresses_MB = 500;
+
+/// Other programs of a job have no live view.
+constexpr std::string_view kProgramWithFeed = "spikeloop-fused";
 
 double megabytes(std::uint64_t bytes) {
   return static_cast<double>(bytes) / 1e6;
@@ -44,10 +54,21 @@ std::string programs_text(const RunNeeds& needs) {
   return count_of(needs.programs, "program") + (needs.feeds > 0 ? " with --live" : "");
 }
 
-double shared_memory_need_MB(const RunNeeds& needs) {
-  const double messages =
-      needs.mpi ? std::max(static_cast<double>(needs.programs) * kMessages_MB, kSegment_MB) : 0;
-  return messages + megabytes(needs.feeds * live::kFeedBytes);
+/// Jobs of typical programs start with the least need. If messages are not received, programs use
+/// up to the most.
+struct Need {
+  double least_MB = 0;
+  double most_MB = 0;
+};
+
+Need shared_memory_need(const RunNeeds& needs) {
+  const double feeds_MB = megabytes(needs.feeds * live::kFeedBytes);
+  if (!needs.mpi) {
+    return {feeds_MB, feeds_MB};
+  }
+  const auto programs = static_cast<double>(needs.programs);
+  const double least_MB = kSegment_MB + programs * kTypicalMessages_MB;
+  return {feeds_MB + least_MB, feeds_MB + std::max(least_MB, programs * kMostMessages_MB)};
 }
 
 rlim_t limit_of(__rlimit_resource resource) {
@@ -62,12 +83,13 @@ RunNeeds needs_of(const MusicFile& file, const launch::JobOptions& options, bool
                   const std::function<bool(const std::string& label)>& has_topics) {
   RunNeeds needs{.programs = static_cast<std::size_t>(file.total_processes()),
                  .mpi = !options.alone,
-                 .feeds = live ? file.sections.size() : 0};
+                 .feeds = 0};
   bool guarded = false;
   for (const MusicSection& section : file.sections) {
+    const launch::Program* program = launch::find_program(file, section);
+    needs.feeds += live && program != nullptr && program->name == kProgramWithFeed ? 1 : 0;
     if (launch::ros_version(file, section) == 2 && has_topics(section.label)) {
       ++needs.participants;
-      const launch::Program* program = launch::find_program(file, section);
       guarded = guarded || program->input || program->commands_robot;
     }
   }
@@ -79,7 +101,7 @@ RunNeeds needs_of(const MusicFile& file, const launch::JobOptions& options, bool
 Resource shared_memory(const std::string& directory, const RunNeeds& needs) {
   std::error_code error;
   const auto space = std::filesystem::space(directory, error);
-  const double need_MB = shared_memory_need_MB(needs);
+  const Need need = shared_memory_need(needs);
   if (error) {
     return {true, fmt::format("the free space of {} is unknown ({})", directory, error.message()),
             ""};
@@ -88,15 +110,15 @@ Resource shared_memory(const std::string& directory, const RunNeeds& needs) {
     return {true, fmt::format("{} has no limit", directory), ""};
   }
   const double free_MB = megabytes(space.available);
-  const std::string text =
-      fmt::format("{} has {:.0f} MB free, and {} need{} {:.0f} MB", directory, std::floor(free_MB),
-                  programs_text(needs), needs.programs == 1 ? "s" : "", std::ceil(need_MB));
-  if (free_MB >= need_MB) {
+  const std::string text = fmt::format("{} has {:.0f} MB free, and {} need{} up to {:.0f} MB",
+                                       directory, std::floor(free_MB), programs_text(needs),
+                                       needs.programs == 1 ? "s" : "", std::ceil(need.most_MB));
+  if (free_MB >= need.most_MB) {
     return {true, text, ""};
   }
-  const double size_MB = megabytes(space.capacity) - free_MB + need_MB;
+  const double size_MB = megabytes(space.capacity) - free_MB + need.most_MB;
   return {
-      false, text,
+      free_MB >= need.least_MB, text,
       fmt::format("remove old files there, or enlarge it: docker run --shm-size={0}m, or mount "
                   "-o remount,size={0}m {1}{2}",
                   std::ceil(size_MB), directory, needs.feeds > 0 ? "; or leave out --live" : "")};
@@ -119,18 +141,22 @@ Resource address_space(const RunNeeds& needs) {
                          : needs.mpi            ? kMpiAddresses_MB
                                                 : 0;
   const rlim_t limit = limit_of(RLIMIT_AS);
-  const bool enough = limit == RLIM_INFINITY || megabytes(limit) >= need_MB;
-  const std::string has = limit == RLIM_INFINITY
-                              ? "the address space has no limit"
-                              : fmt::format("the limit of the address space is {:.0f} MB",
-                                            std::floor(megabytes(limit)));
-  return {enough, fmt::format("{}, and each program needs up to {:.0f} MB", has, need_MB),
+  const double limit_MB = megabytes(limit);
+  const bool enough = limit == RLIM_INFINITY || limit_MB >= need_MB;
+  const std::string has =
+      limit == RLIM_INFINITY
+          ? "the address space has no limit"
+          : fmt::format("the limit of the address space is {:.0f} MB", std::floor(limit_MB));
+  return {enough || limit_MB >= kLeastAddresses_MB,
+          fmt::format("{}, and each program needs up to {:.0f} MB", has, need_MB),
           enough ? "" : "write  ulimit -v unlimited"};
 }
 
 Resource participants(const RunNeeds& needs) {
-  if (needs.participants == 0) {
-    return {};
+  const char* const transport = std::getenv(session::kTransportVariable);
+  if (needs.participants == 0 ||
+      (transport != nullptr && transport == std::string_view(session::kRclcpp))) {
+    return {};  // Another middleware may have other ports.
   }
   const discovery::Discovery found = discovery::parse(discovery::environment());
   const auto free = discovery::free_participants(found);
@@ -153,6 +179,9 @@ void require_resources(const RunNeeds& needs) {
                                    address_space(needs), participants(needs)}) {
     if (!resource.enough) {
       throw TransportError(with_code(Code::resource, "{}; {}", resource.text, resource.remedy));
+    }
+    if (!resource.remedy.empty()) {
+      log::warning("{}; if a program fails, {}", resource.text, resource.remedy);
     }
   }
 }

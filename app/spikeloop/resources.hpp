@@ -14,7 +14,7 @@ namespace spikeloop::app {
 struct RunNeeds {
   std::size_t programs = 1;
   bool mpi = true;               ///< false: a single program without mpirun
-  std::size_t feeds = 0;         ///< files of the live view: one per process
+  std::size_t feeds = 0;         ///< files of the live view: one per spikeloop-fused
   std::size_t participants = 0;  ///< participants in the ROS 2 domain
 };
 
@@ -24,9 +24,9 @@ RunNeeds needs_of(const MusicFile& file, const launch::JobOptions& options, bool
                   const std::function<bool(const std::string& label)>& has_topics);
 
 struct Resource {
-  bool enough = true;
-  std::string text{};    ///< what is available, and the need
-  std::string remedy{};  ///< empty if there is enough
+  bool enough = true;    ///< false if the job cannot start
+  std::string text{};    ///< what is available, and the largest need
+  std::string remedy{};  ///< empty if the largest need is met
 };
 
 /// @param directory file system of the shared memory
@@ -35,6 +35,7 @@ Resource open_files(const RunNeeds& needs);
 Resource address_space(const RunNeeds& needs);
 Resource participants(const RunNeeds& needs);
 
+/// Warns if the largest need of a resource is not met.
 /// @throws TransportError for the first resource of which there is not enough
 void require_resources(const RunNeeds& needs);
 

@@ -8,8 +8,10 @@
 #include <sys/socket.h>
 
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/file.hpp"
 #include "spikeloop/discovery/discovery.hpp"
 #include "spikeloop/processes/descriptor.hpp"
+#include "tests/support/temporary_directory.hpp"
 
 namespace spikeloop::app {
 namespace {
@@ -35,11 +37,11 @@ class Limit {
 
 TEST(Resources, SharedMemoryIsNeededByProgramsAndLiveView) {
   const Resource messages = shared_memory("/tmp", {.programs = 5});
-  EXPECT_THAT(messages.text, HasSubstr(", and 5 programs need 13 MB"));
+  EXPECT_THAT(messages.text, HasSubstr(", and 5 programs need up to 13 MB"));
   EXPECT_THAT(shared_memory("/tmp", {.programs = 5, .feeds = 5}).text,
-              HasSubstr(", and 5 programs with --live need 107 MB"));
+              HasSubstr(", and 5 programs with --live need up to 107 MB"));
   EXPECT_THAT(shared_memory("/tmp", {.mpi = false, .feeds = 1}).text,
-              HasSubstr(", and 1 program with --live needs 19 MB"));
+              HasSubstr(", and 1 program with --live needs up to 19 MB"));
   const Resource too_little = shared_memory("/tmp", {.programs = 1'000'000'000, .feeds = 1});
   EXPECT_FALSE(too_little.enough);
   EXPECT_THAT(too_little.remedy, HasSubstr("--shm-size="));
@@ -58,10 +60,14 @@ TEST(Resources, OpenFilesDependOnTheNumberOfPrograms) {
 }
 
 TEST(Resources, AddressSpaceDependsOnRos2) {
+  {
+    const Limit least(RLIMIT_AS, 450'000'000);
+    EXPECT_FALSE(address_space({.programs = 2}).enough);
+  }
   const Limit limit(RLIMIT_AS, 600'000'000);
-  EXPECT_TRUE(address_space({.programs = 2}).enough);
+  EXPECT_EQ(address_space({.programs = 2}).remedy, "");
   const Resource over_ros = address_space({.programs = 2, .participants = 1});
-  EXPECT_FALSE(over_ros.enough);
+  EXPECT_TRUE(over_ros.enough) << "a warning";
   EXPECT_EQ(over_ros.text,
             "the limit of the address space is 600 MB, and each program needs up to 970 MB");
   EXPECT_EQ(over_ros.remedy, "write  ulimit -v unlimited");
@@ -87,10 +93,19 @@ TEST(Resources, ParticipantsOfADomainAreCountedOnThisMachine) {
   EXPECT_EQ(discovery::free_participants(found), before - 2);
   found.range = discovery::Range::off;
   EXPECT_FALSE(discovery::free_participants(found));
+  found.range = discovery::Range::subnet;
+  const test::TemporaryDirectory folder;
+  const std::string settings = (folder.path() / "cyclone.xml").string();
+  write_file(settings, "<Discovery><ParticipantIndex>none</ParticipantIndex></Discovery>");
+  found.cyclone = "file://" + settings;
+  EXPECT_FALSE(discovery::free_participants(found));
   const Resource too_many = participants({.participants = 36});
   EXPECT_FALSE(too_many.enough);
   EXPECT_THAT(too_many.text, HasSubstr("33 participants on this machine, and the job needs 36"));
   EXPECT_THAT(too_many.remedy, HasSubstr("ROS_DOMAIN_ID"));
+  ::setenv("SPIKELOOP_ROS2", "rclcpp", 1);
+  EXPECT_TRUE(participants({.participants = 36}).enough);
+  ::unsetenv("SPIKELOOP_ROS2");
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ Finding ros2_discovery() {
 constexpr RunNeeds kExample{.programs = 6, .feeds = 6, .participants = 4};
 
 Finding finding_of(const Resource& resource) {
-  return resource.enough ? ok(resource.text) : warning(resource.text, resource.remedy);
+  return resource.remedy.empty() ? ok(resource.text) : warning(resource.text, resource.remedy);
 }
 
 Finding ros2_participants() {

@@ -17,6 +17,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cyclone_element.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
@@ -141,20 +142,9 @@ std::string contents_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Cyclone DDS would add a user's interfaces to ours, and refuse one that is there twice. What a
-/// user writes is XML, files, and both with commas between them.
+/// Cyclone DDS would add a user's interfaces to ours, and refuse one that is there twice.
 bool names_interfaces(const std::string& cyclone) {
-  constexpr std::string_view kElement = "NetworkInterface";
-  constexpr std::string_view kFile = "file://";
-  bool found = cyclone.find(kElement) != std::string::npos;
-  for (std::size_t begin = 0; begin < cyclone.size() && !found;) {
-    const std::size_t end = std::min(cyclone.find(',', begin), cyclone.size());
-    std::string part = cyclone.substr(begin, end - begin);
-    part.erase(0, part.starts_with(kFile) ? kFile.size() : 0);
-    found = !part.starts_with('<') && contents_of(part).find(kElement) != std::string::npos;
-    begin = end + 1;
-  }
-  return found;
+  return has_element(cyclone, "NetworkInterface");
 }
 
 /// Peers that keep to a machine try each other's well-known ports. Newer ones of Cyclone hear only
@@ -195,6 +185,19 @@ constexpr const char* kDelivery =
     "<MultipleReceiveThreads>false</MultipleReceiveThreads></Internal>";
 
 }  // namespace
+
+bool has_element(const std::string& cyclone, std::string_view element) {
+  constexpr std::string_view kFile = "file://";
+  bool found = cyclone.find(element) != std::string::npos;
+  for (std::size_t begin = 0; begin < cyclone.size() && !found;) {
+    const std::size_t end = std::min(cyclone.find(',', begin), cyclone.size());
+    std::string part = cyclone.substr(begin, end - begin);
+    part.erase(0, part.starts_with(kFile) ? kFile.size() : 0);
+    found = !part.starts_with('<') && contents_of(part).find(element) != std::string::npos;
+    begin = end + 1;
+  }
+  return found;
+}
 
 Variables environment() {
   Variables variables;

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string>
 
+#include "cyclone_element.hpp"
 #include "spikeloop/discovery/discovery.hpp"
 
 namespace spikeloop::discovery {
@@ -36,7 +37,7 @@ std::set<unsigned> udp_ports() {
 
 std::optional<int> free_participants(const Discovery& discovery) {
   if (discovery.range == Range::off || discovery.range == Range::system_default ||
-      discovery.cyclone.find("ParticipantIndex") != std::string::npos) {
+      has_element(discovery.cyclone, "ParticipantIndex")) {
     return std::nullopt;
   }
   const std::set<unsigned> taken = udp_ports();
