@@ -144,7 +144,7 @@ void GuardedRobot::watch(topics::RawPublisher& robot) {
     // Not when it is over: leaving ROS may take as long as a master hangs.
     set_needed(!timer.over() && (!timer.cause() || timer.stopping()));
   }
-  if (timer.over() && timer.cause()) {
+  if (timer.over() && timer.cause() && timer.robot_stopped()) {
     events_.stopped(hello_);
   }
   robot.drain();

@@ -17,7 +17,7 @@ class GuardedRobot {
  public:
   struct Events {
     std::function<void()> changed;              ///< needed() or ended() may have changed
-    std::function<void(const Hello&)> stopped;  ///< a robot was stopped: its adapter had died
+    std::function<void(const Hello&)> stopped;  ///< a subscriber was sent zeros: its adapter had died
   };
   /// Both events are called from its thread.
   GuardedRobot(Descriptor socket, Robots& robots, Events events);

@@ -86,15 +86,28 @@ TEST(GuardTimer, nothing_follows_a_good_end) {
   EXPECT_FALSE(timer.cause());
 }
 
-TEST(GuardTimer, zeros_that_nobody_hears_do_not_count_for_a_second) {
+TEST(GuardTimer, zeros_without_a_subscriber_do_not_count_for_three_seconds) {
   GuardTimer timer(kWatchdog, 0);
   timer.lost(0);
   EXPECT_EQ(zeros(timer, 0, 400 * kMs, false).size(), 9u);
+  EXPECT_FALSE(timer.robot_stopped());
   EXPECT_EQ(zeros(timer, 401 * kMs, 3000 * kMs).size(), 5u);
+  EXPECT_TRUE(timer.robot_stopped());
   GuardTimer alone(kWatchdog, 0);
   alone.lost(0);
-  EXPECT_EQ(zeros(alone, 0, 3000 * kMs, false).back(), 1000);
+  EXPECT_EQ(zeros(alone, 0, 5000 * kMs, false).back(), 3000);
   EXPECT_TRUE(alone.over());
+  EXPECT_FALSE(alone.robot_stopped());
+}
+
+TEST(GuardTimer, a_beat_forgets_that_the_robot_was_stopped) {
+  GuardTimer timer(kWatchdog, 0);
+  zeros(timer, 0, 1000 * kMs);
+  EXPECT_TRUE(timer.robot_stopped());
+  timer.beat(1001 * kMs);
+  timer.lost(1002 * kMs);
+  zeros(timer, 1002 * kMs, 5000 * kMs, false);
+  EXPECT_FALSE(timer.robot_stopped());
 }
 
 TEST(GuardTimer, a_watchdog_of_years_never_runs_out) {

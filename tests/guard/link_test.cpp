@@ -205,6 +205,32 @@ TEST_F(LinkTest, connects_again_to_a_guard_that_was_started_again) {
   EXPECT_EQ(link.beat(now), kNever);
 }
 
+TEST_F(LinkTest, a_new_guard_counts_as_soon_as_it_is_connected_to_the_robot) {
+  listen();
+  Descriptor socket;
+  std::thread guard([&] { socket = welcome(); });
+  Link link(example());
+  guard.join();
+  send_packet(socket.get(), make_packet("reaches"));
+  TimeNs now = link.beat(wall_now());
+  EXPECT_TRUE(link.guards(true));
+  socket.reset();
+  std::thread second([&] { socket = welcome(); });
+  const TimeNs end = wall_now() + 10 * kNsPerSecond;
+  do {
+    now = link.beat(now);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  } while (!link.guarded() && wall_now() < end);
+  second.join();
+  EXPECT_TRUE(link.guards(false)) << "no robot subscribes";
+  EXPECT_FALSE(link.guards(true));
+  EXPECT_THAT(said_, ElementsAre(std::string("the guard has ended") + kAlone));
+  send_packet(socket.get(), make_packet("reaches"));
+  link.beat(now);
+  EXPECT_TRUE(link.guards(true));
+  EXPECT_EQ(said_.back(), "the guard watches over /cmd_vel again");
+}
+
 TEST_F(LinkTest, a_silent_guard_is_missed_until_it_answers_again) {
   listen();
   Descriptor socket;

@@ -19,6 +19,7 @@ void GuardTimer::beat(TimeNs now) {
   // Zeros that are still to be sent are not: after SIGCONT the adapter sends its own and waits.
   state_ = State::watching;
   cause_.reset();
+  robot_stopped_ = false;
   last_beat_ = now;
 }
 
@@ -52,6 +53,7 @@ bool GuardTimer::poll(TimeNs now, bool heard) {
   }
   next_zero_ = now + kZeroInterval;
   zeros_left_ -= heard ? 1 : 0;
+  robot_stopped_ = robot_stopped_ || heard;
   if (zeros_left_ == 0 || now - stopping_since_ >= kLongestStop) {
     state_ = cause_ == Cause::lost ? State::over : State::silent;
   }

@@ -105,12 +105,14 @@ void Link::take(const Received& news, TimeNs now, Lines& lines) {
     state_ = State::accepted;
   } else if (type == "reaches") {
     reaches_.store(true);
+    reached_ = true;
   } else if (type == "refused") {
     lose("the guard refuses this adapter: " + text_of(news.packet, "reason"), now, lines);
     leave(State::off);
   }
   guarded_.store(state_ == State::accepted);
-  if (guarded() && std::exchange(lost_, false)) {
+  // A new guard may need seconds to discover a robot that the last one was connected to.
+  if (guards(reached_) && std::exchange(lost_, false)) {
     lines.emplace_back(false, fmt::format("the guard watches over {} again", hello_.topic));
   }
 }

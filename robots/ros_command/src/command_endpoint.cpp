@@ -158,8 +158,11 @@ std::optional<command::StopReason> CommandEndpoint::lost_supervision(TimeNs now)
     case status::SupervisedRobot::State::supervised:
       break;
   }
-  return guard_required_ && !guard_->guarded() ? std::optional(command::StopReason::unguarded)
-                                               : std::nullopt;
+  // Before the first command the robot stands still anyway, until the guard is connected to it.
+  const bool robot_subscribes = !waits_for_guard_ && publisher_.has_subscribers();
+  return guard_required_ && !guard_->guards(robot_subscribes)
+             ? std::optional(command::StopReason::unguarded)
+             : std::nullopt;
 }
 
 /// In the loop.

@@ -27,8 +27,9 @@ inline constexpr TimeNs kGuardSilence = 500'000'000;
 /// on its way; then no more: somebody else may want to drive.
 inline constexpr int kZeros = 5;
 inline constexpr TimeNs kZeroInterval = 50'000'000;
-/// Zeros that no subscriber could hear do not count, but this is the end of them.
-inline constexpr TimeNs kLongestStop = kNsPerSecond;
+/// Zeros without a subscriber do not count; no more zeros are sent after this time. Over Fast DDS a
+/// guard and a robot may need two seconds to discover each other.
+inline constexpr TimeNs kLongestStop = 3 * kNsPerSecond;
 
 enum class Cause {
   lost,   ///< the connection has ended, and the adapter has not said that it stopped the robot
@@ -59,6 +60,8 @@ class GuardTimer {
   bool over() const { return state_ == State::over; }
   /// Why the robot was stopped; nothing while the adapter drives it, or has stopped it itself.
   std::optional<Cause> cause() const { return cause_; }
+  /// True if a zero command of this stop had a subscriber.
+  bool robot_stopped() const { return robot_stopped_; }
   /// Longest time without a beat.
   TimeNs deadline() const { return deadline_; }
 
@@ -73,6 +76,7 @@ class GuardTimer {
   TimeNs stopping_since_ = 0;
   TimeNs next_zero_ = 0;
   int zeros_left_ = 0;
+  bool robot_stopped_ = false;
 };
 
 }  // namespace spikeloop::guard

@@ -25,6 +25,11 @@ class Link {
   bool guarded() const { return guarded_.load(); }
   /// True if the guard is connected to the robot, or if there is no guard.
   bool reaches_robot() const { return !guarded() || reaches_.load(); }
+  /// True if the guard can stop the robot: it answers, and is connected to the robot, if there is
+  /// one.
+  bool guards(bool robot_subscribes) const {
+    return guarded() && (!robot_subscribes || reaches_.load());
+  }
   /// Sends a beat, reads what the guard has sent, and connects again if the guard has ended. Must
   /// be called by the thread that stops the robot: the guard acts on the silence of that thread.
   /// Returns when to call again.
@@ -61,6 +66,7 @@ class Link {
   TimeNs due_ = 0;     ///< wall time of the next attempt (missing), deadline of the answer (asked)
   TimeNs heard_ = 0;   ///< wall time of the guard's newest packet
   bool lost_ = false;  ///< True after the warning that the robot is not guarded
+  bool reached_ = false;  ///< True if a guard has ever been connected to the robot
   std::atomic<bool> guarded_{false};
   std::atomic<bool> reaches_{false};
 };
