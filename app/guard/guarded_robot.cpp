@@ -100,8 +100,9 @@ bool GuardedRobot::read_introduction() {
 std::unique_ptr<topics::RawPublisher> GuardedRobot::advertise() {
   try {
     auto robot = robots_.advertise(hello_);
-    send_packet(socket_.get(), make_packet("ready"));
-    return robot;
+    // An adapter that has not waited for the answer introduces itself again, and drives meanwhile.
+    const bool waits = send_packet(socket_.get(), make_packet("ready")) == 0;
+    return waits ? std::move(robot) : nullptr;
   } catch (const std::exception& error) {
     refuse(error.what());
     return nullptr;

@@ -33,6 +33,7 @@ class GuardedRobot {
  private:
   void run();
   bool read_introduction();
+  /// Returns null if the robot is not to be watched: the guard refuses, or the adapter has gone.
   std::unique_ptr<topics::RawPublisher> advertise();
   void watch(topics::RawPublisher& robot);
   void listen(GuardTimer& timer);

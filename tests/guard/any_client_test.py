@@ -39,15 +39,18 @@ def connect(path):
     return client
 
 
+def hello(topic):
+    return packet("hello", protocol=4, process="wheels", topic=topic, message_type="geometry_msgs/Twist", ros=2,
+                  watchdog=int(5e9), zero=b"\0\1\0\0" + bytes(48),
+                  **{"place.ROS_DOMAIN_ID": os.environ["ROS_DOMAIN_ID"], "place.ROS_LOCALHOST_ONLY": "1"})
+
+
 class Adapter:
     """A command adapter that sends beats in a background thread."""
 
     def __init__(self, path, topic):
         self._socket = connect(path)
-        self._socket.send(packet(
-            "hello", protocol=4, process="wheels", topic=topic, message_type="geometry_msgs/Twist", ros=2,
-            watchdog=int(5e9), zero=b"\0\1\0\0" + bytes(48), **{"place.ROS_DOMAIN_ID": os.environ["ROS_DOMAIN_ID"],
-                                                               "place.ROS_LOCALHOST_ONLY": "1"}))
+        self._socket.send(hello(topic))
         assert self._socket.recv(100) == packet("ready")
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._beat)
@@ -99,6 +102,11 @@ def after_a_hello(path):
         assert is_disconnected(adapter._socket)
         adapter._ended.set()
         adapter._thread.join()
+
+
+def impatient_adapter(path):
+    """An adapter that closes the connection before the answer introduces itself again, and drives meanwhile."""
+    send_all(path, [hello("/impatient")], then_wait=False)
 
 
 def random_bytes(path, seed):
@@ -164,7 +172,7 @@ def main():
             del out
             ros.until(lambda: os.path.exists(path), "the socket")
             adapter = Adapter(path, "/cmd_vel")
-            for attack in (nested_and_huge, after_a_hello, lambda path: random_bytes(path, 1), descriptors, floods,
+            for attack in (nested_and_huge, after_a_hello, impatient_adapter, lambda path: random_bytes(path, 1), descriptors, floods,
                            silent_clients):
                 attack(path)
                 assert guard.poll() is None, f"the guard has ended with {guard.returncode}: {log.read_text()}"
@@ -173,6 +181,7 @@ def main():
             adapter.close()
             ros.until(lambda: "the robot on /cmd_vel is stopped: its command adapter 'wheels' has died" in
                       log.read_text(), "a stop")
+            assert "/impatient" not in log.read_text(), log.read_text()
             assert len(list(pathlib.Path(f"/proc/{guard.pid}/fd").iterdir())) < 40, "descriptors are left"
 
 
