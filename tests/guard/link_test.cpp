@@ -318,6 +318,44 @@ TEST_F(LinkTest, a_guard_that_refuses) {
               ElementsAre(std::string("the guard refuses this adapter: no ROS master") + kAlone));
 }
 
+TEST_F(LinkTest, a_new_guard_that_refuses_is_asked_again) {
+  listen();
+  Descriptor socket;
+  std::thread guard([&] { socket = welcome(); });
+  Link link(example());
+  guard.join();
+  socket.reset();
+  const TimeNs now = wall_now();
+  link.beat(now);                 // reads that the guard has ended
+  link.beat(now + kNsPerSecond);  // asks the next one
+  socket = accept();
+  expect(socket, "hello");
+  send_packet(socket.get(), make_packet("refused"));
+  link.beat(now + kNsPerSecond);
+  EXPECT_FALSE(link.guarded());
+  EXPECT_LT(link.beat(now + 2 * kNsPerSecond), kNever);
+  link.beat(now + 7 * kNsPerSecond);
+  socket = welcome();
+  link.beat(now + 7 * kNsPerSecond);
+  EXPECT_TRUE(link.guarded());
+}
+
+TEST_F(LinkTest, a_run_that_ends_before_the_answer_is_done) {
+  listen();
+  Descriptor socket;
+  std::thread guard([&] { socket = welcome(); });
+  Link link(example());
+  guard.join();
+  socket.reset();
+  const TimeNs now = wall_now();
+  link.beat(now);
+  link.beat(now + kNsPerSecond);
+  link.done();
+  socket = accept();
+  expect(socket, "hello");
+  expect(socket, "done");
+}
+
 TEST_F(LinkTest, a_guard_that_ends_before_it_answers) {
   listen();
   std::thread adapter([] { EXPECT_FALSE(Link(example()).guarded()); });

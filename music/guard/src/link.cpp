@@ -103,12 +103,18 @@ void Link::take(const Received& news, TimeNs now, Lines& lines) {
   heard_ = now;
   if (type == "ready") {
     state_ = State::accepted;
+    was_accepted_ = true;
   } else if (type == "reaches") {
     reaches_.store(true);
     reached_ = true;
   } else if (type == "refused") {
     lose("the guard refuses this adapter: " + text_of(news.packet, "reason"), now, lines);
-    leave(State::off);
+    if (was_accepted_) {
+      due_ =
+          now + kPatience;  // perhaps the ROS master did not answer a guard that was started again
+    } else {
+      leave(State::off);
+    }
   }
   guarded_.store(state_ == State::accepted);
   // A new guard may need seconds to discover a robot that the last one was connected to.
@@ -178,7 +184,8 @@ void Link::abandon() {
 
 void Link::done() {
   const std::lock_guard lock(mutex_);
-  if (state_ == State::accepted) {
+  // A guard that is still answering reads "done" after the hello.
+  if (state_ == State::asked || state_ == State::accepted) {
     send_packet(socket_.get(), make_packet("done"));
   }
   guarded_.store(false);

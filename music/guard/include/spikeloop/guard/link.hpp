@@ -41,7 +41,7 @@ class Link {
 
  private:
   enum class State {
-    off,      ///< no guard is configured, the guard has refused, or the run is over
+    off,      ///< no guard is configured, the first guard has refused, or the run is over
     missing,  ///< retries the connection at due_
     asked,    ///< hello was sent
     accepted
@@ -66,7 +66,8 @@ class Link {
   TimeNs due_ = 0;     ///< wall time of the next attempt (missing), deadline of the answer (asked)
   TimeNs heard_ = 0;   ///< wall time of the guard's newest packet
   bool lost_ = false;  ///< True after the warning that the robot is not guarded
-  bool reached_ = false;  ///< True if a guard has ever been connected to the robot
+  bool was_accepted_ = false;  ///< True if a guard has ever accepted this adapter
+  bool reached_ = false;       ///< True if a guard has ever been connected to the robot
   std::atomic<bool> guarded_{false};
   std::atomic<bool> reaches_{false};
 };
