@@ -140,7 +140,10 @@ void CommandEndpoint::finish() {
   publisher_.drain();
   if (guard_) {
     guard_->done();
-    supervised_->release();
+    // A session that has ended sends no zero command; then only the guard can stop the robot.
+    if (session_.alive()) {
+      supervised_->release();
+    }
   }
 }
 
