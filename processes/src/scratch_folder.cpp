@@ -132,7 +132,12 @@ void ScratchFolder::start_remover() {
 }
 
 bool ScratchFolder::restart_remover() {
-  if (remover_ <= 0 || waitpid(remover_, nullptr, WNOHANG) != remover_) {
+  int status = 0;
+  if (remover_ <= 0 || waitpid(remover_, &status, WNOHANG) != remover_) {
+    return false;
+  }
+  if (!WIFSIGNALED(status)) {
+    remover_ = -1;  // it ended by itself: the folder has been removed by another program
     return false;
   }
   start_remover();

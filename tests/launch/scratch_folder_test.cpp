@@ -99,6 +99,22 @@ TEST(ScratchFolder, RemovesFoldersOfKilledRunsThatNoProcessHasLocked) {
   }
 }
 
+TEST(ScratchFolder, ItsRemoverIsNotStartedAgainIfTheFolderIsMissing) {
+  const test::TemporaryDirectory parent;
+  ScratchFolder folder(parent.path().string());
+  pid_t remover = 0;
+  std::ifstream("/proc/thread-self/children") >> remover;
+  ASSERT_GT(remover, 0);
+  siginfo_t ended{};
+  kill(remover, SIGKILL);
+  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(remover), &ended, WEXITED | WNOWAIT), 0);
+  fs::remove_all(folder.path());
+  EXPECT_TRUE(folder.restart_remover());
+  ASSERT_EQ(waitid(P_ALL, 0, &ended, WEXITED | WNOWAIT), 0) << "the next one ends by itself";
+  EXPECT_FALSE(folder.restart_remover());
+  EXPECT_FALSE(folder.restart_remover());
+}
+
 /// Each process makes folders while the others look for abandoned ones.
 TEST(ScratchFolder, IsNotRemovedByARunThatStartsAtTheSameTime) {
   const test::TemporaryDirectory parent;
