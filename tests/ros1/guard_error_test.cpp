@@ -274,6 +274,19 @@ TEST_F(NoGuardTest, hangs) {
                         "stopped\n"));
 }
 
+TEST_F(NoGuardTest, is_started_again_after_a_restart_that_failed) {
+  const std::string text = text_with_guard(
+      "#!/usr/bin/python3\nimport socket, struct, sys\n"
+      "with open(__file__ + '.starts', 'a') as starts:\n    starts.write('x')\n"
+      "    starts.flush()\n    start = starts.tell()\n"
+      "if start != 2:\n"
+      "    owner = socket.socket(fileno=int(sys.argv[sys.argv.index('--owner') + 1]))\n"
+      "    owner.send(struct.pack('=I', 9) + b'listening')\n",
+      "stoptime=5");
+  EXPECT_THAT(text, HasSubstr("it ended before it listened" + end_));
+  EXPECT_GE(std::filesystem::file_size(directory_.path() / "spikeloop-guard.starts"), 3u);
+}
+
 TEST_F(NoGuardTest, is_required) {
   publish_scans();
   robot_.listen_twist("/cmd_vel");

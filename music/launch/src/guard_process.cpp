@@ -20,7 +20,6 @@ namespace spikeloop::launch {
 namespace {
 
 constexpr const char* kProgram = "spikeloop-guard";
-constexpr TimeNs kLongestStart = 5 * kNsPerSecond;
 /// More than the guard itself allows.
 constexpr TimeNs kLongestEnd = 4 * kNsPerSecond;
 
@@ -90,18 +89,19 @@ std::string guard_socket(const std::string& scratch) {
 }
 
 GuardProcess::GuardProcess(const ScratchFolder& scratch,
-                           const std::map<std::string, std::string>& environment, Events events)
+                           const std::map<std::string, std::string>& environment, Events events,
+                           TimeNs longest)
     : events_(std::move(events)) {
   Connection connection = connect_pair();
   start(scratch, connection.theirs.get(), environment);
   connection_ = std::move(connection.ours);
   connection.theirs.reset();
-  await_listening();
+  await_listening(longest);
   read();  // its process id may arrive after "listening"
 }
 
-void GuardProcess::await_listening() {
-  const TimeNs deadline = wall_now() + kLongestStart;
+void GuardProcess::await_listening(TimeNs longest) {
+  const TimeNs deadline = wall_now() + longest;
   while (guard::wait_readable(connection_.get(), deadline - wall_now())) {
     const guard::Received news = guard::receive_packet(connection_.get());
     const std::string type = guard::type_of(news.packet);
@@ -114,7 +114,7 @@ void GuardProcess::await_listening() {
     take(news.packet);
   }
   kill();
-  fail(with_code(Code::partner_failed, "it does not listen within {}", format_time(kLongestStart)));
+  fail(with_code(Code::partner_failed, "it does not listen within {}", format_time(longest)));
 }
 
 GuardProcess::~GuardProcess() {

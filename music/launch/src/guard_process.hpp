@@ -28,9 +28,10 @@ class GuardProcess {
 
   /// Waits until it listens at guard_socket() of the folder.
   /// @param environment added to ours; PATH says where it is
+  /// @param longest wall time that the start may take
   /// @throws TransportError when it does not.
   GuardProcess(const ScratchFolder& scratch, const std::map<std::string, std::string>& environment,
-               Events events);
+               Events events, TimeNs longest);
   ~GuardProcess();
   GuardProcess(const GuardProcess&) = delete;
   GuardProcess& operator=(const GuardProcess&) = delete;
@@ -45,7 +46,7 @@ class GuardProcess {
   void kill();
 
  private:
-  void await_listening();
+  void await_listening(TimeNs longest);
   void take(const guard::Packet& packet);
 
   Events events_;

@@ -20,8 +20,11 @@ namespace {
 
 constexpr const char* kUnguarded =
     "nothing stops the robot when its command adapter is killed or stopped";
-/// Limit for a guard that ends after every start.
-constexpr int kMostRestarts = 5;
+/// Shortest time between two restarts of the guard.
+constexpr std::chrono::seconds kRestartPeriod{3};
+constexpr TimeNs kLongestStart = 5 * kNsPerSecond;
+/// Signals wait for a restart.
+constexpr TimeNs kLongestRestart = 1'500'000'000;
 /// Adapters check every 20 ms whether the run is suspended.
 constexpr std::chrono::milliseconds kSuspendGrace{100};
 /// A longer turn of the launcher's loop counts as a pause: SIGSTOP, Ctrl-Z or a suspended machine.
@@ -43,13 +46,14 @@ void JobRun::start_guard() {
   const std::string path = scratch_.path() + "/supervision";
   supervision_ = std::make_unique<SupervisionThread>(path);
   ros_environment_[status::kSupervisionVariable] = path;
-  make_guard();
+  make_guard(kLongestStart);
   if (guard_) {
+    restarts_guard_ = true;
     ros_environment_[guard::kSocketVariable] = guard_socket(scratch_.path());
   }
 }
 
-void JobRun::make_guard() {
+void JobRun::make_guard(TimeNs longest) {
   const auto log = [this](log::Level level, const std::string& text) {
     log_ << "guard: " << text << std::endl;
     log::write(level, text);
@@ -57,9 +61,13 @@ void JobRun::make_guard() {
   const auto stopped = [this](const std::string& /*topic*/) { ++stopped_by_guard_; };
   try {
     guard_ = std::make_unique<GuardProcess>(scratch_, with_environment({}).environment,
-                                            GuardProcess::Events{log, stopped});
+                                            GuardProcess::Events{log, stopped}, longest);
     supervision_->set_guard(guard_->pid());
+    guard_failed_ = false;
   } catch (const TransportError& error) {
+    if (std::exchange(guard_failed_, true)) {
+      return;
+    }
     log::warning("{}", lengthened(error.what(), fmt::format("; {}", kUnguarded)));
   }
 }
@@ -68,23 +76,21 @@ void JobRun::watch_guard() {
   if (supervision_ && supervision_->has_continued_guard()) {
     log::warning("spikeloop-guard had been stopped (SIGSTOP); it was continued");
   }
-  if (!guard_) {
-    return;
+  if (guard_) {
+    const bool alive = guard_->read();
+    if (alive && !guard_->hangs()) {
+      return;
+    }
+    supervision_->set_guard(0);
+    guard_->kill();
+    guard_.reset();
+    log::warning("spikeloop-guard {}; {}{}", alive ? "hangs" : "has ended",
+                 outcome_ ? "" : "it is started again. Until then ", kUnguarded);
   }
-  const bool alive = guard_->read();
-  if (alive && !guard_->hangs()) {
-    return;
+  if (!guard_ && restarts_guard_ && !outcome_ && Clock::now() >= next_guard_) {
+    next_guard_ = Clock::now() + kRestartPeriod;
+    make_guard(kLongestRestart);
   }
-  supervision_->set_guard(0);
-  guard_->kill();
-  guard_.reset();
-  const char* const what = alive ? "hangs" : "has ended";
-  if (outcome_ || ++guard_restarts_ > kMostRestarts) {
-    log::warning("spikeloop-guard {}; {}", what, kUnguarded);
-    return;
-  }
-  log::warning("spikeloop-guard {}; it is started again. Until then {}", what, kUnguarded);
-  make_guard();
 }
 
 void JobRun::end_guard() {
@@ -143,6 +149,12 @@ void JobRun::allow_for_pause() {
   if (turn > kLongestTurn) {
     started_ += turn;
     prepared_ += turn;
+    died_since_ += turn;
+    for (auto* const since : {&stopping_since_, &failed_since_, &reported_since_}) {
+      if (*since) {
+        **since += turn;
+      }
+    }
     state_.allow_for_pause(turn);
   }
 }

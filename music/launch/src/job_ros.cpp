@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <thread>
 
 #include "external_topics.hpp"
 #include "job_run.hpp"
@@ -271,6 +272,19 @@ void JobRun::end_helper(Process* helper) {
   if (!group_.turn_until([helper] { return helper->gone(); }, kHelperGrace)) {
     helper->tree().end();
     group_.turn_until([helper] { return helper->gone(); }, kHelperGrace);
+  }
+}
+
+void JobRun::kill_programs() {
+  if (mpirun_ == nullptr || mpirun_->tree().gone()) {
+    return;
+  }
+  // Without the group, whose handlers may have caused the error.
+  ProcessTree& tree = mpirun_->tree();
+  tree.kill();
+  const auto deadline = Clock::now() + kHelperGrace;
+  while (!tree.gone() && Clock::now() < deadline) {
+    std::this_thread::sleep_for(Milliseconds{10});
   }
 }
 

@@ -10,6 +10,7 @@
 #include "guard_process.hpp"
 #include "section_checks.hpp"
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/check.hpp"
@@ -174,7 +175,11 @@ void JobRun::run() {
       start_programs();
       supervise();
     }
+  } catch (const Error& error) {
+    fail(error.exit_code(), error.what());
+    kill_programs();
   } catch (...) {
+    kill_programs();
     end_helpers();
     throw;
   }

@@ -27,7 +27,7 @@ class JobRun {
          const JobEvents& events);
   ~JobRun();
 
-  /// @throws Error when something cannot be started.
+  /// An error, too, is a reason for the end; see result().
   void run();
   JobResult result() const;
   void fail(int exit_code, const std::string& reason);
@@ -67,8 +67,9 @@ class JobRun {
   void watch_robot();
   /// Starts the guard and the thread whose beats the adapters read.
   void start_guard();
-  void make_guard();
-  /// Starts a new guard if the guard has ended or hangs.
+  /// @param longest wall time that the guard may need to start
+  void make_guard(TimeNs longest);
+  /// Starts a new guard if the guard has ended or hangs, and tries again if that fails.
   void watch_guard();
   void end_guard();
   /// Restarts the process that removes the scratch folder if the launcher is killed.
@@ -90,6 +91,8 @@ class JobRun {
   void watch_stop();
   /// Asks every program of ours to leave its loop; ends all when there are no loops yet.
   void begin_stop();
+  /// Kills what is left of the job, and waits until it has ended: the guard must outlive it.
+  void kill_programs();
   void end_helpers();
   void end_helper(Process* helper);
 
@@ -111,7 +114,9 @@ class JobRun {
   Process* mpirun_ = nullptr;
   std::unique_ptr<SupervisionThread> supervision_;  ///< null without a robot
   std::unique_ptr<GuardProcess> guard_;
-  int guard_restarts_ = 0;
+  bool restarts_guard_ = false;     ///< false if the first guard could not be started
+  bool guard_failed_ = false;       ///< the newest start failed, which was reported
+  Clock::time_point next_guard_{};  ///< earliest time of the next restart
   int stopped_by_guard_ = 0;        ///< robots whose adapters had died
   pid_t reported_stopped_ = 0;      ///< stopped process that was reported; 0: none
   Clock::time_point turned_{};      ///< begin of the newest turn of supervise()
