@@ -66,6 +66,7 @@ class Loop {
     }
     publish(robot_.time());
     finish();
+    options_.check_files();  // finish() writes the last rows
   }
 
  private:

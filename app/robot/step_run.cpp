@@ -129,6 +129,7 @@ void run_stepped(const RunOptions& options, const topics::RosArguments& argument
   rosout.during([&] { loop.run(); });
   loop.robot().finish();
   report(loop.robot(), loop.link(), status);
+  options.check_files();  // finish() writes the last rows
   status::end_in_time(0);
 }
 
