@@ -103,6 +103,8 @@ class Launch:
         """docs/safety.md."""
         if self.target in ("experiment", "wheels"):
             return WATCHDOG_MS + 100 if self.signal == "STOP" else 0
+        if self.stops_supervision():
+            return WATCHDOG_MS + 100
         return WATCHDOG_MS
 
     def end(self, run):
@@ -110,7 +112,7 @@ class Launch:
         deadline = time.monotonic() + LONGEST_S
         run.await_end(GOES_ON_S + STALL_S if self.signal == "STOP" else GOES_ON_S)
         while run.exit_code() is None and time.monotonic() < deadline:
-            if run.robot.is_driven() or self.phase == "start":
+            if run.robot.is_driven() or self.phase == "start" or self.stops_supervision():
                 run.send_ctrl_c()
             run.await_end(5)
         return run.exit_code() is not None
@@ -133,9 +135,13 @@ class Launch:
         return [text for text, is_so in found.items() if is_so]
 
     def is_fatal(self):
-        """A program of the loop, or the launcher, has gone or stands still."""
-        return self.target not in ("guard", "supervisor", "cleaner", "mpirun", "nothing") and (
+        """A program of the loop, or the launcher, has gone or stands still, or nobody supervises the run."""
+        return self.stops_supervision() or self.target not in ("guard", "supervisor", "cleaner", "mpirun", "nothing") and (
             self.signal in ("KILL", "SEGV", "ABRT", "QUIT", "STOP"))
+
+    def stops_supervision(self):
+        """The robot is at rest until the process is continued, or the run is ended."""
+        return self.signal == "STOP" and self.target in ("mpirun", "supervisor")
 
     def __str__(self):
         stood = "" if self.rest_ms is None else f", stood after {self.rest_ms:.0f} ms"
