@@ -8,19 +8,10 @@ import subprocess
 import sys
 import tempfile
 
-SPIKELOOP = pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"], "spikeloop")
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "support"))
+from calls import SPIKELOOP, TWO_PROGRAMS  # noqa: E402
+
 USER = 54321
-EXPERIMENT = """experiment: cycle
-duration: 0.1 s
-sync: unpaced
-layout: {one: [squash, encoder], two: [decoder]}
-nodes:
-  squash: {node: sigmoid}
-  encoder: {node: rate_encoder}
-  decoder: {node: linear_readout, weights: uniform}
-connections:
-  - squash -> encoder [1] -> decoder [1] -> squash [1, delay 5 ticks]
-"""
 
 
 def call(folder, home, *words):
@@ -38,7 +29,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         os.chown(folder, USER, USER)
-        (folder / "cycle.yaml").write_text(EXPERIMENT)
+        (folder / "cycle.yaml").write_text(TWO_PROGRAMS)
         for number, home in enumerate(({}, {"HOME": "/"})):
             call(folder, home, "run", "cycle.yaml", "--out", f"run{number}")
             call(folder, home, "plot", f"run{number}")

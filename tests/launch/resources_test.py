@@ -2,25 +2,16 @@
 """`spikeloop run` refuses a job for which the machine has too little of a resource, and starts nothing. Two programs run
 with 6 MB of shared memory."""
 
-import os
 import pathlib
 import resource
 import subprocess
+import sys
 import tempfile
 import unittest
 
-SPIKELOOP = str(pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"], "spikeloop"))
-EXPERIMENT = """experiment: cycle
-duration: 0.1 s
-sync: unpaced
-layout: {one: [squash, encoder], two: [decoder]}
-nodes:
-  squash: {node: sigmoid}
-  encoder: {node: rate_encoder}
-  decoder: {node: linear_readout, weights: uniform}
-connections:
-  - squash -> encoder [1] -> decoder [1] -> squash [1, delay 5 ticks]
-"""
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "support"))
+from calls import SPIKELOOP, TWO_PROGRAMS  # noqa: E402
+
 SMALL = "mount -t tmpfs -o size=6m tmpfs /dev/shm && exec \"$@\""
 NAMESPACE = ["unshare", "--mount", "--propagation", "private", "sh", "-c", SMALL, "sh"]
 
@@ -34,7 +25,7 @@ class Resources(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
-        (self.folder / "cycle.yaml").write_text(EXPERIMENT)
+        (self.folder / "cycle.yaml").write_text(TWO_PROGRAMS)
 
     def run_job(self, *options, before=(), limit=None):
         def lower():

@@ -7,6 +7,19 @@ import subprocess
 
 SPIKELOOP = str(pathlib.Path(os.environ["SPIKELOOP_PROGRAMS"]) / "spikeloop")
 
+# Two programs under mpirun, without a robot.
+TWO_PROGRAMS = """experiment: cycle
+duration: 0.1 s
+sync: unpaced
+layout: {one: [squash, encoder], two: [decoder]}
+nodes:
+  squash: {node: sigmoid}
+  encoder: {node: rate_encoder}
+  decoder: {node: linear_readout, weights: uniform}
+connections:
+  - squash -> encoder [1] -> decoder [1] -> squash [1, delay 5 ticks]
+"""
+
 
 def spikeloop(*words, code=0, timeout=240, **options):
     """(standard output, standard error)"""

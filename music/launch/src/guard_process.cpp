@@ -149,7 +149,7 @@ void GuardProcess::take(const guard::Packet& packet) {
     const bool plain = guard::text_of(packet, "level") == "info";
     events_.log(plain ? log::Level::info : log::Level::warning, guard::text_of(packet, "text"));
   } else if (type == "stopped") {
-    events_.stopped(guard::text_of(packet, "topic"));
+    events_.stopped();
   }
 }
 

@@ -22,8 +22,8 @@ class GuardProcess {
  public:
   struct Events {
     std::function<void(log::Level, const std::string&)> log;
-    /// The guard has stopped the robot on this topic, because its adapter had died.
-    std::function<void(const std::string& topic)> stopped;
+    /// The guard has stopped a robot, because its adapter had died.
+    std::function<void()> stopped;
   };
 
   /// Waits until it listens at guard_socket() of the folder.

@@ -58,7 +58,7 @@ void JobRun::make_guard(TimeNs longest) {
     log_ << "guard: " << text << std::endl;
     log::write(level, text);
   };
-  const auto stopped = [this](const std::string& /*topic*/) { ++stopped_by_guard_; };
+  const auto stopped = [this] { ++stopped_by_guard_; };
   try {
     guard_ = std::make_unique<GuardProcess>(scratch_, with_environment({}).environment,
                                             GuardProcess::Events{log, stopped}, longest);
