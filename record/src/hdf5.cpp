@@ -118,17 +118,22 @@ bool Handle::close() {
   }
 }
 
+int descriptor_of(const Handle& file, const std::string& path) {
+  void* descriptor = nullptr;
+  check(H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &descriptor), "write", path);
+  return *static_cast<int*>(descriptor);
+}
+
 void reserve(const Handle& file, hsize_t bytes, const std::string& path) {
   if (bytes == 0) {
     return;
   }
-  void* descriptor = nullptr;
+  const int descriptor = descriptor_of(file, path);
   hsize_t size = 0;
-  check(H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &descriptor), "write", path);
-  require_not_deleted(*static_cast<int*>(descriptor), path);
+  require_not_deleted(descriptor, path);
   check(H5Fget_filesize(file.get(), &size), "write", path);
-  const int refused = ::posix_fallocate(*static_cast<int*>(descriptor), static_cast<off_t>(size),
-                                        static_cast<off_t>(bytes));
+  const int refused =
+      ::posix_fallocate(descriptor, static_cast<off_t>(size), static_cast<off_t>(bytes));
   if (refused != 0) {
     throw FileError("write", path, refused);
   }

@@ -56,6 +56,9 @@ class Handle {
   hid_t id_ = H5I_INVALID_HID;
 };
 
+/// The system's descriptor of an open file. @throws FileError.
+int descriptor_of(const Handle& file, const std::string& path);
+
 /// Makes the disk promise `bytes` more than the file has. HDF5 writes the rest of what it holds
 /// even when a part failed, and the file cannot be read any more; so what does not fit must be
 /// known before anything is written. @throws FileError with the system's words.

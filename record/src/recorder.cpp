@@ -1,5 +1,6 @@
 #include "spikeloop/record/recorder.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -58,18 +59,46 @@ void bound_metadata(const hdf5::Handle& access) {
 }
 
 /// The oldest format: the newer ones mark a file as open, and a killed process would leave it so.
-/// Unlocked, so that one can look into the file of a run that is under way. Opened by its
-/// descriptor: HDF5 would follow a link that takes the name of the new file.
-hdf5::Handle create_recording(const std::string& path) {
-  const int made = create_file(path);
-  const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS));
+/// Unlocked, so that one can look into the file of a run that is under way.
+hdf5::Handle access_to_recording() {
+  hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS));
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18);
   H5Pset_file_locking(access.get(), 0, 1);
   bound_metadata(access);
-  const hid_t file = H5Fcreate(fmt::format("/proc/self/fd/{}", made).c_str(), H5F_ACC_TRUNC,
-                               H5P_DEFAULT, access.get());
+  return access;
+}
+
+/// For HDF5, which would follow a link that takes the name of the file.
+std::string path_of(int descriptor) {
+  return fmt::format("/proc/self/fd/{}", descriptor);
+}
+
+hdf5::Handle create_recording(const std::string& path) {
+  const int made = create_file(path);
+  const hid_t file =
+      H5Fcreate(path_of(made).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access_to_recording().get());
   ::close(made);
   return hdf5::Handle(hdf5::check(file, "create", path));
+}
+
+/// HDF5 keeps a list of the gaps in a file, which grows for as long as the file is open: a
+/// compressed chunk that grows moves, and leaves one.
+bool has_many_gaps(const hdf5::Handle& file) {
+  constexpr ssize_t kMostGaps = 10;
+  return H5Fget_free_sections(file.get(), H5FD_MEM_DEFAULT, 0, nullptr) > kMostGaps;
+}
+
+/// The same file, without the list of its gaps; unchanged if the process may open no more files.
+hdf5::Handle reopen(hdf5::Handle file, const std::string& path) {
+  const int kept = ::fcntl(hdf5::descriptor_of(file, path), F_DUPFD_CLOEXEC, 0);
+  if (kept < 0) {
+    return file;
+  }
+  const hid_t opened =
+      file.close() ? H5Fopen(path_of(kept).c_str(), H5F_ACC_RDWR, access_to_recording().get())
+                   : H5I_INVALID_HID;
+  ::close(kept);
+  return hdf5::Handle(hdf5::check(opened, "write", path));
 }
 
 void write_file_attributes(const hdf5::Handle& file, const std::string& path,
@@ -320,6 +349,9 @@ void Recorder::Impl::flush(const std::vector<std::shared_ptr<Stream>>& all) {
       growth += stream->growth();
     }
     try {
+      if (has_many_gaps(file)) {
+        write_safely(0, [&] { file = reopen(std::move(file), path); });
+      }
       write_safely(growth, [&] {
         for (const auto& stream : all) {
           stream->write(file.get());

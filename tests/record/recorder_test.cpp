@@ -4,11 +4,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <thread>
 
+#include "record/src/hdf5.hpp"
 #include "spikeloop/core/graph.hpp"
 #include "spikeloop/record/reader.hpp"
 #include "steps.hpp"
@@ -244,6 +248,54 @@ TEST_F(RecorderTest, MillionSpikesComeBack) {
     const int i = static_cast<int>(n % kSpikesATick);
     wrong += read.spikes[n].time_ns != test::tick(k).begin + 1 + i * 997 + k % 13 ||
              read.spikes[n].channel != i;
+  }
+  EXPECT_EQ(wrong, 0u);
+}
+
+/// The most gaps that HDF5 remembers of an open file.
+ssize_t gaps_of_open_files() {
+  const record::hdf5::Lock lock;
+  std::array<hid_t, 8> files{};
+  const ssize_t count =
+      H5Fget_obj_ids(static_cast<hid_t>(H5F_OBJ_ALL), H5F_OBJ_FILE, files.size(), files.data());
+  ssize_t most = 0;
+  for (ssize_t i = 0; i < count; ++i) {
+    most = std::max(most, H5Fget_free_sections(files[static_cast<std::size_t>(i)], H5FD_MEM_DEFAULT,
+                                               0, nullptr));
+  }
+  return most;
+}
+
+/// A compressed chunk that grows with each flush moves and leaves a gap, which HDF5 remembers for
+/// as long as the file is open.
+TEST_F(RecorderTest, GapsAreForgottenInALongRun) {
+  constexpr TimeNs kSpikes = 400'000;
+  constexpr TimeNs kLook = 1000;
+  record::RecorderOptions options;
+  options.patient = true;
+  options.spike_capacity = 1024;
+  options.flush_every = 1;
+  Recorder recorder(file(), "network", {}, options);
+  const auto sink = recorder.spike_sink("out", 1000);
+  const auto spike = [dice = std::mt19937_64(54)]() mutable {
+    return make_spike(static_cast<TimeNs>(dice() >> 20), static_cast<std::int32_t>(dice() % 1000));
+  };
+  auto sent = spike;
+  ssize_t gaps = 0;
+  for (TimeNs k = 0; k < kSpikes; ++k) {
+    test::send_spikes(*sink, test::tick(k), {sent()});
+    if (k % kLook == 0) {
+      gaps = std::max(gaps, gaps_of_open_files());
+    }
+  }
+  // Up to 10 when a flush begins, and one more per dataset.
+  EXPECT_THAT(gaps, testing::AllOf(testing::Gt(5), testing::Le(13)));
+  EXPECT_EQ(recorder.close().spikes_written, static_cast<std::uint64_t>(kSpikes));
+  auto expected = spike;
+  std::size_t wrong = 0;
+  for (const Spike& read : record::read_spikes(file(), "out").spikes) {
+    const Spike right = expected();
+    wrong += read.time_ns != right.time_ns || read.channel != right.channel;
   }
   EXPECT_EQ(wrong, 0u);
 }
