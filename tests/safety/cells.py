@@ -12,6 +12,7 @@ from faulty_run import ENDS_S, RESUMES_S, FaultyRun, jobs
 from terminal_run import TerminalRun
 
 NEVER = float("inf")
+DRIVEN_ON = "driven on"
 ROBOT_TOPIC = ["--ros-args", "-r", "/scan:=/vehicle/scan", "--"]  # where the observer does not publish
 
 
@@ -57,9 +58,11 @@ def measure(fault, layout, version, robot):
     return cell
 
 
-def median_of(cells):
-    """The run in the middle: those that break a rule come last."""
-    return sorted(cells, key=lambda cell: (bool(cell.complaints), cell.rest_ms))[len(cells) // 2]
+def that_counts(cells):
+    """The run in the middle, those that break a rule last; but any run in which the robot was driven on."""
+    in_order = sorted(cells, key=lambda cell: (bool(cell.complaints), cell.rest_ms))
+    driven_on = [cell for cell in cells if DRIVEN_ON in cell.complaints]
+    return (driven_on or in_order[len(cells) // 2:])[0]
 
 
 def _words(fault, layout, version, folder):
@@ -105,7 +108,7 @@ def _disturb(cell, fault, run):
     if ended or not run.robot.is_driven():
         cell.then = "ended" if ended else "at rest"
     else:
-        cell.then = "driven on" if cell.rest_ms == NEVER else "continued"
+        cell.then = DRIVEN_ON if cell.rest_ms == NEVER else "continued"
 
 
 def _finish(cell, run):
@@ -130,9 +133,9 @@ def _finish(cell, run):
 
 def _complaints(cell, fault):
     """The rules of the table."""
-    unharmed = fault.process and cell.effect == "none" and cell.then == "driven on"
+    unharmed = fault.process and cell.effect == "none" and cell.then == DRIVEN_ON
     found = {
-        "driven on" if cell.rest_ms == NEVER else f"at rest only after {cell.rest_ms:.0f} ms":
+        DRIVEN_ON if cell.rest_ms == NEVER else f"at rest only after {cell.rest_ms:.0f} ms":
             fault.bound_ms is not None and not unharmed and cell.rest_ms > fault.bound_ms,
         "the robot was stopped": fault.bound_ms is None and cell.rest_ms != NEVER,
         "the launcher is not suspended": fault.suspends and cell.effect != "stopped",
