@@ -29,8 +29,7 @@ bool is_our_host(std::string_view host, std::string_view machine) {
 }
 
 bool is_allowed_origin(std::string_view origin, std::string_view host, bool has_token) {
-  return origin.empty() || lower_case(origin) == "http://" + lower_case(host) ||
-         (origin == "file://" && has_token);
+  return has_token || origin.empty() || lower_case(origin) == "http://" + lower_case(host);
 }
 
 bool is_same_token(std::string_view given, std::string_view wanted) {

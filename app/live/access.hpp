@@ -14,8 +14,8 @@ inline constexpr const char* kStopParameter = "run.stop";
 /// Protects against DNS rebinding: a page of another site sends its own host name.
 bool is_our_host(std::string_view host, std::string_view machine);
 
-/// True if the request comes from this server's page, from a program that is not a browser,
-/// or, with the token, from a local page (file://), such as Foxglove's.
+/// True if the request has the token, or comes from this server's page or from a program that is
+/// not a browser. Other pages, such as Foxglove's, need the token.
 bool is_allowed_origin(std::string_view origin, std::string_view host, bool has_token);
 
 /// Takes as long for every wrong token.

@@ -116,8 +116,8 @@ void LiveServer::watch(bool recording) {
 bool LiveServer::warn_if_lost() {
   if (server_->gone()) {
     log::warning(
-        "spikeloop-live has ended: there is no live view and no STOP button any more; Ctrl-C stops "
-        "the robot");
+        "spikeloop-live has ended: the live view has ended, and STOP remains as it is; Ctrl-C ends "
+        "the run and stops the robot");
     return false;
   }
   const bool before = std::exchange(stopped_, is_stopped(server_->pid()));

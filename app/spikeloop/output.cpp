@@ -4,6 +4,8 @@
 
 #include <cerrno>
 #include <condition_variable>
+#include <csignal>
+#include <cstdlib>
 #include <deque>
 #include <mutex>
 #include <string>
@@ -121,6 +123,9 @@ std::string count_of(std::uint64_t number, std::string_view what) {
 void put_result(std::string_view text) {
   errno = 0;
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    if (errno == EPIPE) {  // the reader, such as head, has enough
+      std::_Exit(128 + SIGPIPE);
+    }
     throw FileError("write", "standard output", errno);
   }
 }

@@ -33,6 +33,19 @@ std::string to_text(OnWriteFailure policy) {
   return policy == OnWriteFailure::proceed ? kContinue : kStop;
 }
 
+std::string list_incomplete(const std::vector<std::string>& paths) {
+  if (paths.empty()) {
+    return {};
+  }
+  std::vector<std::string> names;
+  for (const std::string& path : std::span(paths).first(std::min(paths.size(), kMostNames))) {
+    names.push_back(std::filesystem::path(path).filename().string());
+  }
+  const std::size_t more = paths.size() - names.size();
+  return fmt::format("; incomplete: {}{}", fmt::join(names, ", "),
+                     more == 0 ? "" : fmt::format(" and {} more", more));
+}
+
 void WriteFailures::add(const std::string& path, const std::string& message) {
   const std::lock_guard lock(mutex_);
   if (std::ranges::find(files_, path) != files_.end()) {
@@ -59,16 +72,7 @@ void WriteFailures::check(OnWriteFailure policy) {
 
 std::string WriteFailures::text() const {
   const std::lock_guard lock(mutex_);
-  if (files_.empty()) {
-    return {};
-  }
-  std::vector<std::string> names;
-  for (const std::string& file : std::span(files_).first(std::min(files_.size(), kMostNames))) {
-    names.push_back(std::filesystem::path(file).filename().string());
-  }
-  const std::size_t more = files_.size() - names.size();
-  return lengthened(first_, fmt::format("; incomplete: {}{}", fmt::join(names, ", "),
-                                        more == 0 ? "" : fmt::format(" and {} more", more)));
+  return files_.empty() ? "" : lengthened(first_, list_incomplete(files_));
 }
 
 std::vector<std::string> WriteFailures::files() const {

@@ -52,6 +52,19 @@ TEST(Doctor, FindsAllThatARunNeeds) {
               MatchesRegex("ok \\| /.*/ffmpeg, to make films with --render \\| "));
 }
 
+TEST(Doctor, FindsTheSameWithFewOpenFiles) {
+  Command few = doctor({"--json"}, {});
+  few.arguments.insert(few.arguments.begin(), {"/bin/sh", "-c", "ulimit -n 40; exec \"$@\"", "sh"});
+  const Examination seen = examination_by(few);
+  EXPECT_THAT(seen.line("open files"), StartsWith("warning | the limit of open files is 40"));
+  for (const auto& item : examine({}).report["items"]) {
+    const std::string name = item["name"];
+    if (name != "open files") {
+      EXPECT_EQ(seen.status(name), item["status"]) << seen.line(name);
+    }
+  }
+}
+
 TEST(Doctor, SaysWhatDrawsAndWhichPackageHasIt) {
   TemporaryDirectory broken;  // libraries that are found first, and are none
   broken.write("libEGL.so.1", "no library");

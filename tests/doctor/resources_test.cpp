@@ -64,12 +64,16 @@ TEST(Resources, AddressSpaceDependsOnRos2) {
     const Limit least(RLIMIT_AS, 450'000'000);
     EXPECT_FALSE(address_space({.programs = 2}).enough);
   }
-  const Limit limit(RLIMIT_AS, 600'000'000);
-  EXPECT_EQ(address_space({.programs = 2}).remedy, "");
+  {
+    const Limit more(RLIMIT_AS, 600'000'000);
+    EXPECT_EQ(address_space({.programs = 2}).remedy, "");
+    EXPECT_FALSE(address_space({.programs = 2, .participants = 1}).enough);
+  }
+  const Limit limit(RLIMIT_AS, 800'000'000);
   const Resource over_ros = address_space({.programs = 2, .participants = 1});
   EXPECT_TRUE(over_ros.enough) << "a warning";
   EXPECT_EQ(over_ros.text,
-            "the limit of the address space is 600 MB, and each program needs up to 970 MB");
+            "the limit of the address space is 800 MB, and each program needs up to 970 MB");
   EXPECT_EQ(over_ros.remedy, "write  ulimit -v unlimited");
   EXPECT_TRUE(address_space({.mpi = false}).enough);
 }

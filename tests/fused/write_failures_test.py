@@ -4,6 +4,7 @@ process and in several, with and without ROS."""
 import json
 import pathlib
 import resource
+import signal
 import subprocess
 import tempfile
 import time
@@ -51,6 +52,26 @@ def test_deleted_folder(scratch):
             assert "cannot write" in last and "[SL0109]" in last, said
 
 
+def test_ctrl_c_names_incomplete_files(scratch):
+    """In an experiment without an end, after all programs that write files have noticed."""
+    for warnings, (name, keys) in enumerate(LAYOUTS.items(), 1):
+        file = runs.new_experiment(scratch / "endless.yaml", duration="1 h", on_write_failure="continue", **keys)
+        folder = scratch / "endless"
+        process = runs.started(file, folder)
+        runs.wait(process, lambda: all_opened(folder))
+        subprocess.run(["rm", "-rf", folder], check=True)
+        said = ""
+        while said.count("the run continues") < warnings:
+            line = process.stderr.readline()
+            assert line, (name, said)
+            said += line
+        process.send_signal(signal.SIGINT)
+        said += process.communicate(timeout=60)[1]
+        assert process.returncode == 4, (name, said)
+        last = [line for line in said.splitlines() if line.startswith("spikeloop: ")][-1]
+        assert "; incomplete: " in last, (name, said)
+
+
 def with_small_files(*arguments):
     """Runs spikeloop with files limited to 300 kB, as on a full disk."""
     return subprocess.run(
@@ -74,4 +95,5 @@ def test_full_disk(scratch):
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as directory, ros.domain():
         test_deleted_folder(pathlib.Path(directory))
+        test_ctrl_c_names_incomplete_files(pathlib.Path(directory))
         test_full_disk(pathlib.Path(directory))

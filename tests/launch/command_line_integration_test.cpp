@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <filesystem>
 
 #include "tests/launch/launcher.hpp"
 #include "tests/support/fault.hpp"
@@ -138,6 +139,16 @@ TEST(CommandLine, ARunFolderThatCannotBeMade) {
   const Outcome outcome = type({"run", job.file(), "--out", "/proc/none"});
   EXPECT_EQ(outcome.exit_code, 4);
   EXPECT_THAT(outcome.err, Fault("spikeloop: cannot make the folder '/proc/none': ... [SL0109]\n"));
+}
+
+TEST(CommandLine, RunFolderThatIsADanglingLink) {
+  const TwoPrograms job;
+  const TemporaryDirectory directory;
+  const std::string link = (directory.path() / "link").string();
+  std::filesystem::create_symlink(directory.path() / "nothing", link);
+  const Outcome outcome = type({"run", job.file(), "--out", link});
+  EXPECT_EQ(outcome.exit_code, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("'" + link + "': it is a symbolic link to nothing; remove"));
 }
 
 TEST(CommandLine, AFileThatMusicWouldHangOn) {

@@ -98,9 +98,11 @@ TEST(Access, OnlyPressingStopNeedsNoToken) {
 
 TEST(Access, PagesThatAreFilesNeedTheToken) {
   EXPECT_TRUE(is_allowed_origin("http://LOCALHOST:1", "localhost:1", false));
-  EXPECT_FALSE(is_allowed_origin("http://localhost:2", "localhost:1", true));
-  EXPECT_FALSE(is_allowed_origin("file://", "localhost:1", false));
-  EXPECT_TRUE(is_allowed_origin("file://", "localhost:1", true));
+  // Of a local page: "file://" from Chromium, "null" from Firefox.
+  for (const char* other : {"http://localhost:2", "https://app.foxglove.dev", "file://", "null"}) {
+    EXPECT_FALSE(is_allowed_origin(other, "localhost:1", false)) << other;
+    EXPECT_TRUE(is_allowed_origin(other, "localhost:1", true)) << other;
+  }
   EXPECT_TRUE(is_allowed_origin("", "localhost:1", false));
 }
 

@@ -122,7 +122,8 @@ class Ros1Robot(Robot):
         self._stop, self._manual = publisher("/emergency_stop", Bool), publisher("/cmd_vel_manual", Twist)
         self._contacts, self._contact = contact_messages()
         self._bumper = publisher("/bumper_states", self._contacts)
-        rospy.Subscriber("/cmd_vel", Twist, self._take, tcp_nodelay=True)
+        self._subscribe = lambda: rospy.Subscriber("/cmd_vel", Twist, self._take, tcp_nodelay=True)
+        self._commands = self._subscribe()
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._take_diagnosis)
         self._scan = LaserScan(range_min=0.1, range_max=4.1, ranges=[3.0] * 10)
         self._pose = Odometry()
@@ -152,8 +153,8 @@ class Ros1Robot(Robot):
         self._moving = on
 
     def forget(self):
-        """The master, too, forgets nodes that were killed, as `rosnode cleanup` makes it. A subscriber of rospy tries to
-        reach them for ever, and takes no other publisher whose port is that of one of them."""
+        """Removes nodes that were killed from the master, as `rosnode cleanup` does, and subscribes again. A subscriber of
+        rospy tries to reach such a node for ever, and ignores a new publisher whose port is that of one of them."""
         super().forget()
         import rosgraph
         master = rosgraph.Master("/robot")
@@ -165,6 +166,8 @@ class Ros1Robot(Robot):
                         xmlrpc.client.ServerProxy(uri).getPid("/robot")
                     except OSError:
                         rosgraph.Master(name).unregisterPublisher(topic, uri)
+        self._commands.unregister()
+        self._commands = self._subscribe()
 
     def is_connected(self):
         return True  # a run begins when it is

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <memory>
+#include <span>
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
@@ -91,7 +94,10 @@ std::string_view last_line(std::string_view text) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-std::vector<Answer> ask(const std::vector<Command>& commands, const ScratchFolder* scratch) {
+namespace {
+
+/// Runs all commands at the same time.
+std::vector<Answer> ask_at_once(std::span<const Command> commands, const ScratchFolder* scratch) {
   const auto begin = Clock::now();
   std::vector<Child> children;
   for (const Command& command : commands) {
@@ -113,6 +119,30 @@ std::vector<Answer> ask(const std::vector<Command>& commands, const ScratchFolde
       child.answer.failure = fmt::format("no answer within {} s", kPatience.count());
     }
     answers.push_back(std::move(child.answer));
+  }
+  return answers;
+}
+
+/// Number of children that the limit of open files allows. Each child has two pipes and a
+/// descriptor of its end.
+std::size_t most_children() {
+  constexpr rlim_t kOwnFiles = 16;
+  constexpr rlim_t kFilesPerChild = 5;
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  return std::max<rlim_t>(1, (std::max(limit.rlim_cur, kOwnFiles) - kOwnFiles) / kFilesPerChild);
+}
+
+}  // namespace
+
+std::vector<Answer> ask(const std::vector<Command>& commands, const ScratchFolder* scratch) {
+  const std::size_t most = most_children();
+  std::span<const Command> waiting(commands);
+  std::vector<Answer> answers;
+  while (!waiting.empty()) {
+    const std::size_t count = std::min(most, waiting.size());
+    std::ranges::move(ask_at_once(waiting.first(count), scratch), std::back_inserter(answers));
+    waiting = waiting.subspan(count);
   }
   return answers;
 }

@@ -24,6 +24,12 @@ std::string make_folder(const std::string& path) {
   std::error_code error;
   const fs::path whole = fs::absolute(path, error);
   fs::create_directories(whole, error);
+  if (error && fs::is_symlink(fs::symlink_status(whole))) {
+    throw FileError(with_code(Code::no_access,
+                              "cannot make the folder '{}': it is a symbolic link to nothing; "
+                              "remove the link, or give another folder",
+                              path));
+  }
   if (error) {
     throw FileError("make the folder", path, error.value());
   }

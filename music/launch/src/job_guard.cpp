@@ -13,6 +13,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/launch/programs.hpp"
+#include "spikeloop/processes/descendants.hpp"
 #include "supervision_thread.hpp"
 
 namespace spikeloop::launch {
@@ -105,7 +106,8 @@ void JobRun::end_guard() {
 
 void JobRun::warn_of_stopped_process() {
   const pid_t stopped = supervision_ ? supervision_->stopped_process() : 0;
-  if (stopped != 0 && stopped != reported_stopped_) {
+  // A process that `fg` has just continued may still be reported.
+  if (stopped != 0 && stopped != reported_stopped_ && is_stopped(stopped)) {
     log::warning(
         "process {0} ({1}) has been stopped (SIGSTOP); the robot is stopped until it continues:  "
         "kill -CONT {0}",

@@ -185,7 +185,23 @@ void JobRun::run() {
   }
   end_helpers();
   if (outcome_) {
+    add_incomplete_files();
     outcome_->message = lengthened(outcome_->message, unstopped_robot());
+  }
+}
+
+/// After Ctrl-C. Otherwise a program's failure is the outcome, and names the files.
+void JobRun::add_incomplete_files() {
+  if (stop_signals_ == 0) {
+    return;
+  }
+  const auto& failure = state_.failure();
+  const std::string files = failure && failure->exit_code == FileError::kExitCode
+                                ? "; " + failure->message
+                                : list_incomplete(state_.incomplete_files());
+  if (!files.empty()) {
+    outcome_->exit_code = FileError::kExitCode;
+    outcome_->message = lengthened(outcome_->message, files);
   }
 }
 

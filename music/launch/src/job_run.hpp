@@ -42,6 +42,7 @@ class JobRun {
   void take_line(const std::string& label, const OutputLine& line);
   ProgramStart with_environment(ProgramStart start) const;
   /// Returns whether nothing speaks against a start.
+  void add_incomplete_files();
   bool check();
 
   // Each returns whether the job goes on.

@@ -179,7 +179,9 @@ void JobState::take(const OutputLine& line) {
   diagnosis_.read(line.text);
   // What ssh says of a host is the cause; Open MPI's guesses follow.
   const bool cause_known = last_line_of_mpirun_.starts_with(kSsh);
-  if (!cause_known && line.text.find_first_not_of("- ") != std::string::npos) {
+  const bool news = line.text.find_first_not_of("- ") != std::string::npos &&
+                    line.text.find("Forwarding signal") == std::string::npos;
+  if (!cause_known && news) {
     last_line_of_mpirun_ = line.text;
   }
 }
@@ -237,6 +239,19 @@ std::optional<std::string> JobState::stood_at_end() const {
     }
   }
   return std::nullopt;
+}
+
+std::vector<std::string> JobState::incomplete_files() const {
+  std::vector<std::string> files;
+  for (const std::string& label : order_) {
+    const json& summary = processes_.at(label).summary;
+    for (std::string& file : value_of(summary, "incomplete_files", std::vector<std::string>())) {
+      if (std::ranges::find(files, file) == files.end()) {
+        files.push_back(std::move(file));
+      }
+    }
+  }
+  return files;
 }
 
 std::string JobState::last_line(const std::string& label) const {

@@ -76,6 +76,8 @@ class JobState {
   bool all_reported() const;
   /// Why a robot stood before the run's end, as its process says; nothing: none did.
   std::optional<std::string> stood_at_end() const;
+  /// Files that could not be written, of all reports.
+  std::vector<std::string> incomplete_files() const;
   /// What mpirun's end means.
   Failure explain(const MpirunEnd& end) const;
   /// Without the outcome: file, times, what the reports say.

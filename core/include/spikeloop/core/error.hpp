@@ -59,10 +59,11 @@ class TransportError : public Error {
 /// A file could not be read or written.
 class FileError : public Error {
  public:
+  static constexpr int kExitCode = 4;
   /// "cannot open 'x.json': No such file or directory"; takes the reason from `error_number`.
   FileError(std::string_view action, std::string_view path, int error_number);
   using Error::Error;
-  int exit_code() const override { return 4; }
+  int exit_code() const override { return kExitCode; }
 };
 
 /// Code that a file names is not run (`spikeloop check --no-code`): what depends on it is not

@@ -17,6 +17,9 @@ OnWriteFailure on_write_failure_of(const std::string& choice);
 std::string to_text(OnWriteFailure policy);
 std::vector<std::string> on_write_failure_choices();
 
+/// "; incomplete: scan.h5, wheels.h5 and 3 more". Empty if there are no files.
+std::string list_incomplete(const std::vector<std::string>& paths);
+
 /// Connects the writers of a run's files, in any thread, with the loop. A writer that fails adds
 /// its file and writes nothing more; the loop checks.
 class WriteFailures {
