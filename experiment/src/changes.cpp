@@ -46,7 +46,10 @@ std::string to_text(const Change& change) {
 }
 
 std::vector<Change> read_changes(const std::string& path) {
-  std::istringstream lines(read_file(path, "changes", kLargest));
+  std::string text = read_file(path, "changes", kLargest);
+  // The last line is incomplete while a run writes it, and if the disk was full.
+  text.erase(text.rfind('\n') + 1);
+  std::istringstream lines(std::move(text));
   std::vector<Change> changes;
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {

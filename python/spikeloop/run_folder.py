@@ -80,6 +80,14 @@ def require_regular(file):
         raise RunFolderError(f"'{file}' cannot be read: not a regular file")
 
 
+def complete_lines(file):
+    """Lines of a text that a running program may write, with their ends. Ignores the last line while it is
+    incomplete. @raises RunFolderError, UnicodeDecodeError"""
+    require_regular(file)
+    with open(file, newline="", encoding="utf-8-sig") as text:
+        return [line for line in text if line.endswith("\n")]
+
+
 @dataclasses.dataclass
 class Spikes:
     """One recorded stream of spikes, in the order in which the loop saw them."""
@@ -225,18 +233,18 @@ class RunFolder:
         if not file.exists():
             raise RunFolderError(f"'{file}' is missing: the run started no robot, and no message "
                                  "arrived on /odom")
-        require_regular(file)
         try:
-            with open(file, newline="", encoding="utf-8") as text:
-                rows = list(csv.reader(text))
+            rows = list(csv.reader(complete_lines(file)))
         except (csv.Error, UnicodeDecodeError) as error:
             raise RunFolderError(f"'{file}' is not a table: {error}") from None
-        header = rows[0] if rows else []
+        if not rows:
+            raise RunFolderError(f"'{file}' has no complete line yet: the run has just begun, or was killed")
+        header = rows[0]
         absent = [name for name in TRAJECTORY_COLUMNS if name not in header]
         if absent:
             raise RunFolderError(f"'{file}' has no column '{absent[0]}'; its first line must be "
                                  f"{','.join(TRAJECTORY_COLUMNS)}")
-        # The last line of a robot that was killed may be cut short.
+        # A full disk may have cut a line short.
         table = np.array([row for row in rows[1:] if len(row) == len(header)],
                          dtype=object).reshape(-1, len(header))
         try:
@@ -250,11 +258,11 @@ class RunFolder:
         file = self.path / "episodes.csv"
         if not file.exists():
             raise RunFolderError(f"'{file}' is missing: the experiment has no episodes")
-        require_regular(file)
         try:
-            with open(file, newline="", encoding="utf-8-sig") as text:
-                reader = csv.DictReader(text)
-                rows = [row for row in reader if None not in row.values()]  # the last may be cut short
+            reader = csv.DictReader(complete_lines(file))
+            rows = [row for row in reader if None not in row.values()]
+            if not reader.fieldnames:
+                raise RunFolderError(f"'{file}' has no complete line yet: the run has just begun, or was killed")
             if "episode" not in (reader.fieldnames or ()):
                 raise KeyError("episode")
             table = {name: np.array([float(row[name]) for row in rows])

@@ -22,7 +22,7 @@ import time
 from .design import DesignError, design
 from .experiment import SpikeloopError, call, program, setting_words, suspending
 from .progress import Progress, Stopped, end_process, note_signals
-from .run_folder import counters_of, did_you_mean
+from .run_folder import complete_lines, counters_of, did_you_mean
 from .summary import ROWS
 from .whole_file import create, write_whole
 
@@ -135,8 +135,8 @@ class Sweep:
         """What tasks of job.sh have done since."""
         for number in self.missing():
             code = self.folder / self.name(number) / EXIT_CODE
-            if code.exists():
-                exit_code, errors = int(code.read_text(encoding="utf-8")), code.parent / "stderr.txt"
+            if code.exists() and (lines := complete_lines(code)):  # else the task is writing it
+                exit_code, errors = int(lines[0]), code.parent / "stderr.txt"
                 said = errors.read_text(encoding="utf-8")
                 if exit_code < 128:  # else it was stopped by a signal, and runs again
                     self.take(number, exit_code, said)

@@ -155,9 +155,9 @@ def collisions_of_another_robot(scratch, version):
 
 def touch_things(other, folder):
     def newest():
-        """Of a row that is whole."""
-        lines = (folder / "trajectory.csv").read_text().split("\n")[1:-1]
-        return (float(lines[-1].split(",")[0]), lines[-1].split(",")[-1]) if lines else (0, "")
+        """Time and collisions of the last row."""
+        last = (rows(folder) or [{"t_s": 0, "collisions": ""}])[-1]
+        return float(last["t_s"]), last["collisions"]
 
     def until_counted(collisions):
         ros.until(lambda: newest()[1] == collisions, f"the row with {collisions} collisions")

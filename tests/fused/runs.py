@@ -1,6 +1,5 @@
 """Runs experiments and reads what they leave; for the tests beside this file."""
 
-import csv
 import hashlib
 import json
 import pathlib
@@ -12,7 +11,7 @@ import time
 import h5py
 
 sys.path.append(str(pathlib.Path(__file__).parents[1] / "support"))
-import recordings  # noqa: E402, F401
+import recordings  # noqa: E402
 from calls import SPIKELOOP, assert_says, refused, spikeloop  # noqa: E402, F401
 
 
@@ -54,11 +53,9 @@ def wait(process, condition):
 
 
 def trajectory(folder):
-    """Rows of trajectory.csv on disk while it is written: the last line may be half there."""
-    path = folder / "trajectory.csv"
-    lines = path.read_text(encoding="utf-8").splitlines(keepends=True) if path.exists() else []
-    whole = [line for line in lines if line.endswith("\n")]
-    return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(whole)]
+    """Rows of trajectory.csv, also while it is written."""
+    return [{name: float(value) for name, value in row.items()}
+            for row in recordings.table(folder / "trajectory.csv")]
 
 
 def wait_for_row(folder, process, wanted):

@@ -16,7 +16,8 @@ import numpy as np
 
 import ros
 import runs
-import jobs  # tests/support/jobs.py; runs.py adds its folder to the path
+import jobs  # from tests/support, which runs.py adds to the path
+from growing_file import complete_lines
 
 PAGE = pathlib.Path(__file__).parents[2] / "docs/stepping.md"
 BLOCKS = re.findall("```(?:python|cpp|yaml)\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
@@ -120,20 +121,19 @@ def ctrl_c(file, scratch):
         process = runs.started(file, scratch / "running", "--duration", "1000")
         ros.until(lambda: ticks(scratch) > 100, "a tick")
         runs.interrupt(process)
-        ros.until(lambda: (scratch / "requests").read_text().endswith('{"end":true}\n'), "an end")
+        ros.until(lambda: complete_lines(scratch / "requests")[-1:] == ['{"end":true}'], "an end")
         ros.until(lambda: speeds(scratch)[-1] == 0, "a zero command")
     assert json.loads((scratch / "requests").read_text().splitlines()[-1]) == {"end": True}
     assert speeds(scratch)[-1] == 0
 
 
 def speeds(scratch):
-    """What the cart was told, in whole lines."""
-    return [float(line) for line in (scratch / "speeds").read_text().split("\n")[:-1]]
+    """The commands that the cart received."""
+    return [float(line) for line in complete_lines(scratch / "speeds")]
 
 
 def ticks(scratch):
-    file = scratch / "requests"
-    return len(file.read_text().splitlines()) if file.exists() else 0
+    return len(complete_lines(scratch / "requests"))
 
 
 def stopped_robot(file, scratch):

@@ -101,7 +101,8 @@ class Sliders(viewing.FolderCase):
         spikeloop("run", viewing.EXAMPLE, "--duration", "1", "--out", run, "-q")
         rows = ["600000000,encoder.rate_max,100", "300000000,encoder.rate_min,20"]  # of two processes
         for name, order in (("one", rows), ("two", rows[::-1])):
-            (run / "changes.csv").write_text("\n".join(["t_ns,parameter,value", *order]) + "\n")
+            incomplete = "700000000,encoder.rate_max,1"  # without its last digit and line end
+            (run / "changes.csv").write_text("\n".join(["t_ns,parameter,value", *order, incomplete]))
             again("run", run, self.folder / name)
         self.assertEqual(fingerprint(self.folder / "one"), fingerprint(self.folder / "two"))
         self.assertNotEqual(fingerprint(self.folder / "one"), fingerprint(run))

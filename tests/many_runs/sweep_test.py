@@ -98,6 +98,8 @@ class Sweep(explorer.Folder):
             tasks = [subprocess.Popen(["bash", "-c", job], env={**os.environ, "SLURM_ARRAY_TASK_ID": str(number)},
                                       cwd="/", stderr=subprocess.DEVNULL) for number in pair]
             self.assertEqual([task.wait(60) for task in tasks], codes)
+        (self.out / "006").mkdir()
+        (self.out / "006/exit_code").write_text("")  # a task creates the file before it writes the number
         self.sweep(*words, "--slurm")
         self.assertIn("#SBATCH --array=4,6\n", (self.out / "job.sh").read_text())
         before = (self.out / "005" / "summary.json").stat().st_mtime_ns

@@ -156,14 +156,33 @@ class ErrorTest(Folder):
         file.write_text("t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions\n0,0,0,0,0,zero,0\n")
         self.says(run.trajectory, "'FOLDER/trajectory.csv' holds something that is not a number: "
                   "could not convert string to float: 'zero'")
-        for content, error in ((b"x" * 200_000, "field larger than field limit (131072)"),
-                               (b"\xff", "'utf-8' codec can't decode byte 0xff in position 0: invalid start byte")):
+        for content, error in ((b"x" * 200_000 + b"\n", "field larger than field limit (131072)"),
+                               (b"\xff\n", "'utf-8' codec can't decode byte 0xff in position 0: invalid start byte")):
             file.write_bytes(content)
             self.says(run.trajectory, f"'FOLDER/trajectory.csv' is not a table: {error}")
-        file.write_text("t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions\n0,1,2,3,4,5,0\n0.1,1,")
-        self.assertEqual({name: list(column) for name, column in run.trajectory().items()},
-                         {"t_s": [0], "x_m": [1], "y_m": [2], "theta_rad": [3], "v_m_s": [4],
-                          "w_rad_s": [5], "collisions": [0]})
+
+    def test_an_incomplete_last_line_is_ignored(self):
+        """A running program has written any number of bytes of its table."""
+        run = RunFolder(self.folder)
+        text = "t_s,x_m,y_m,theta_rad,v_m_s,w_rad_s,collisions\n0,1,2,3,4,5,0\n0.25,12,13,14,15,16,17\n"
+        columns = text.split("\n")[0].split(",")
+        rows = ([0, 1, 2, 3, 4, 5, 0], [0.25, 12, 13, 14, 15, 16, 17])
+        self.grow("trajectory.csv", text, lambda count: self.assertEqual(
+            {name: list(column) for name, column in run.trajectory().items()},
+            {name: [row[i] for row in rows[:count]] for i, name in enumerate(columns)}), run.trajectory)
+        text = "episode,begin_s,end_s,steps,return,success,end\n1,0,2.5,10,-1.25,1,goal\n2,2.5,3,20,2,0,timeout\n"
+        self.grow("episodes.csv", text, lambda count: self.assertEqual(
+            (list(run.episodes()["return"]), run.episodes()["end"]),
+            ([-1.25, 2][:count], ["goal", "timeout"][:count])), run.episodes)
+
+    def grow(self, name, text, assert_rows, read):
+        for length in range(len(text) + 1):
+            (self.folder / name).write_text(text[:length])
+            with self.subTest(name, length=length):
+                if "\n" not in text[:length]:
+                    self.says(read, f"'FOLDER/{name}' has no complete line yet: the run has just begun, or was killed")
+                else:
+                    assert_rows(text[:length].count("\n") - 1)
 
     def test_json(self):
         run = RunFolder(self.folder)

@@ -106,7 +106,7 @@ TEST(RobotRun, SignalsEndItCleanly) {
   for (const int number : {SIGINT, SIGTERM, SIGUSR1}) {
     test::Child robot(job.robot({"--out", job.directory().path()}));
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (table(job.directory().read("trajectory.csv")).size() < 50 &&
+    while (table(job.directory().read_complete_lines("trajectory.csv")).size() < 50 &&
            std::chrono::steady_clock::now() < end) {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }

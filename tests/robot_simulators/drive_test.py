@@ -2,7 +2,6 @@
 """The experiments for other simulators drive Spikeloop's own robot in their place, with either clock."""
 
 import contextlib
-import csv
 import fcntl
 import math
 import os
@@ -16,7 +15,8 @@ import unittest
 import yaml
 from folders import PROGRAMS, SIMULATORS, SOURCE
 
-sys.path.append(str(SOURCE / "tests/fused"))
+sys.path += [str(SOURCE / "tests" / folder) for folder in ("fused", "support")]
+import growing_file  # noqa: E402
 import ros  # noqa: E402
 
 DEADLINE_S = 120  # of what waits; nothing is timed by it
@@ -75,8 +75,7 @@ class Drive(unittest.TestCase):
                          "--out", folder / "run"], env=variables, capture_output=True, text=True,
                         timeout=DEADLINE_S, check=False)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-            with trajectory.open(encoding="utf-8") as rows:
-                path = [(float(row["x_m"]), float(row["y_m"])) for row in csv.DictReader(rows)]
+            path = [(float(row["x_m"]), float(row["y_m"])) for row in growing_file.table(trajectory)]
         farthest_m = max(math.dist(place, path[0]) for place in path)
         self.assertGreater(farthest_m, 0.3)
 

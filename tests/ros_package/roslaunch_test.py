@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """roslaunch starts robot and experiment from a catkin workspace, and ends them as they should be ended."""
 
-import csv
 import json
 import os
 import pathlib
@@ -15,7 +14,8 @@ import xmlrpc.client
 
 import workspace
 
-sys.path.append(str(workspace.SOURCE / "tests/fused"))
+sys.path += [str(workspace.SOURCE / "tests" / folder) for folder in ("fused", "support")]
+import growing_file  # noqa: E402
 import ros  # noqa: E402
 
 EXPERIMENT = """experiment: turning
@@ -95,10 +95,8 @@ class Roslaunch(unittest.TestCase):
                                     f"arguments:=--out {self.folder / 'stopped'}")
 
         def path():
-            with (drive / "trajectory.csv").open(encoding="utf-8") as rows:
-                return [row for row in csv.DictReader(rows) if row["collisions"]]
+            return growing_file.table(drive / "trajectory.csv")
 
-        wait_for(lambda: (drive / "trajectory.csv").exists())
         wait_for(lambda: any(float(row["v_m_s"]) > 0.2 for row in path()))
         process.send_signal(signal.SIGINT)
         process.wait(DEADLINE_S)

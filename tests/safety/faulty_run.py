@@ -13,6 +13,7 @@ from robots import ros
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "support"))
 import jobs  # noqa: E402
+from growing_file import complete_text  # noqa: E402
 
 OBSERVED_S = 1.2  # after the fault: a warning is due within 1 s, and the robot must still be at rest
 RESUMES_S = 5  # after SIGCONT the robot is driven again, or the run has ended
@@ -63,8 +64,8 @@ class FaultyRun:
         self.seen = self.log.stat().st_size
 
     def lines(self):
-        """Lines that were printed since the mark, without the progress."""
-        text = self.log.read_bytes()[self.seen:].decode(errors="replace")
+        """Complete lines that were printed since the mark, without the progress."""
+        text = complete_text(self.log, self.seen)
         lines = re.split(r"[\r\n]+", re.sub(r"\x1b\[\w*", "", text))
         return [line for line in lines if line and not PROGRESS.match(line) and not line.startswith(str(self.folder))]
 

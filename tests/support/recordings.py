@@ -1,10 +1,11 @@
 """What runs leave, read with h5py and csv alone."""
 
-import csv
 import pathlib
 
 import h5py
 import numpy as np
+
+from growing_file import table  # noqa: F401
 
 
 def spikes(folder, node, output="out"):
@@ -53,9 +54,3 @@ def assert_same(expected, found, what):
     wrong = np.flatnonzero(np.any(expected != found, axis=0))
     assert not len(wrong), (f"{what}: {len(wrong)} of {found.shape[1]} spikes differ; the first: "
                             f"{expected[:, wrong[0]]} expected, {found[:, wrong[0]]} found")
-
-
-def table(path):
-    """The rows of a .csv file, by the names of its columns."""
-    with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))

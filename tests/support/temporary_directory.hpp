@@ -43,6 +43,12 @@ class TemporaryDirectory {
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   }
 
+  /// The complete lines of a file that a running program writes, with their ends.
+  std::string read_complete_lines(const std::string& name) const {
+    const std::string text = read(name);
+    return text.substr(0, text.rfind('\n') + 1);
+  }
+
  private:
   std::filesystem::path path_;
 };
