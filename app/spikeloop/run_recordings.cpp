@@ -7,6 +7,7 @@
 #include "folder_json.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/log.hpp"
 #include "spikeloop/fused/run.hpp"
 
 namespace spikeloop::app {
@@ -75,6 +76,9 @@ RunRecordings read_recordings(const std::string& folder) {
   const auto messages = std::filesystem::path(folder) / fused::kMessagesFile;
   if (std::filesystem::exists(messages)) {
     recordings.messages = std::make_unique<bag::Reader>(messages.string());
+    for (const std::string& warning : recordings.messages->warnings()) {
+      log::warning("{}", warning);
+    }
     recordings.end = std::max(recordings.end, recordings.messages->end());
   }
   return recordings;

@@ -189,8 +189,9 @@ std::vector<ParameterDescription> robot_parameters() {
           {.name = "bag",
            .type = ParameterType::text,
            .default_value = "",
-           .text = "ROS 1 bag that replaces the robot, without other keys; sensors receive the "
-                   "messages of their topics from it"}};
+           .text = "Recording that replaces the robot, without other keys: MCAP, SQLite or ROS 1 "
+                   "bag, or the folder of its parts; sensors receive the messages of their topics "
+                   "from it"}};
 }
 
 std::vector<ParameterDescription> camera_parameters() {

@@ -7,7 +7,10 @@
 #include "spikeloop/bag/reader.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/experiment/recording.hpp"
 #include "spikeloop/messages/catalog.hpp"
+#include "spikeloop/messages/recorded_type.hpp"
+#include "spikeloop/sensing/sensor_keys.hpp"
 
 namespace spikeloop::experiment {
 namespace {
@@ -29,20 +32,91 @@ std::string topics_in(const bag::Reader& reader) {
   return topics.empty() ? "nothing" : fmt::format("{}", fmt::join(topics, ", "));
 }
 
-void check_type(const Node& node, const bag::Connection& connection, messages::Dialect dialect) {
+const messages::Catalog& catalog_of(const Node& node, messages::Dialect dialect) {
+  return messages::Catalog::for_type(dialect, node.parameters.text("message"));
+}
+
+/// The names of `missing` that the node reads.
+std::vector<std::string> read_fields(const Node& node, const std::vector<std::string>& missing) {
+  std::vector<std::string> read;
+  if (node.kind != kRosEventSensor) {
+    for (const auto& field : sensing::sensor_rule(node.parameters).fields) {
+      const std::string first = field.path.substr(0, field.path.find_first_of(".["));
+      if (std::ranges::find(missing, first) != missing.end()) {
+        read.push_back(first);
+      }
+    }
+  }
+  return read;
+}
+
+[[noreturn]] void refuse_version(const Node& node, const bag::Connection& connection,
+                                 std::string_view type, std::string_view why) {
+  const bool ros1 = connection.dialect == messages::Dialect::ros1;
+  throw ConfigurationError(
+      node.parameters.where("message"),
+      with_code(Code::wrong_message,
+                "key 'message': the recording's topic {} carries another version of {}: {}; {}",
+                connection.topic, type, why,
+                ros1 ? "'rosbag fix' makes it the version of ROS Noetic"
+                     : "give the .msg file of that version"));
+}
+
+/// Compares the definition in the recording with the one that the node uses, and if that is not
+/// enough the first message.
+/// @returns a warning, or nothing
+std::string check_version(const Node& node, const bag::Connection& connection,
+                          const std::string& type, const std::optional<bag::Message>& first) {
+  const messages::Catalog& catalog = catalog_of(node, *connection.dialect);
+  messages::Comparison found =
+      messages::compare_types(connection.schema, connection.version, catalog, type);
+  const messages::Comparison bytes =
+      first ? messages::compare_message(first->bytes, *catalog.layout(type)) : found;
+  if (found.fit == messages::Fit::other) {
+    refuse_version(node, connection, type, found.detail);
+  }
+  if (found.fit == messages::Fit::shorter && bytes.fit == messages::Fit::same) {
+    found = {messages::Fit::unknown, "its messages have more fields"};
+  }
+  const bool is_unknown = found.fit == messages::Fit::unknown;
+  if (is_unknown && bytes.fit == messages::Fit::other) {
+    refuse_version(node, connection, type,
+                   fmt::format("its definition cannot be used ({}), and its messages do not fit "
+                               "ours ({})",
+                               found.detail, bytes.detail));
+  }
+  if (bytes.fit == messages::Fit::shorter) {
+    if (const auto missing = read_fields(node, bytes.missing); !missing.empty()) {
+      refuse_version(node, connection, type,
+                     fmt::format("its messages have no field '{}'", missing.front()));
+    }
+  }
+  // rosbag2 stores no definitions in SQLite before Iron.
+  const bool has_none =
+      connection.schema.definition.empty() && connection.schema.definition_encoding.empty();
+  if (!is_unknown || has_none) {
+    return "";
+  }
+  return fmt::format(
+      "topic '{}': the recording's definition of {} cannot be used ({}); Spikeloop's own is used",
+      connection.topic, type, found.detail);
+}
+
+/// @returns a warning, or nothing
+std::string check_type(const Node& node, const bag::Connection& connection,
+                       const bag::Reader& reader) {
   const std::string& message = node.parameters.text("message");
   const Location where = node.parameters.where("message");
-  if (connection.dialect != dialect) {
+  if (connection.dialect != reader.dialect()) {
     throw ConfigurationError(
         where, with_code(Code::wrong_message,
                          "key 'message': the recording's topic {} has messages encoded as '{}'; a "
                          "sensor takes 'ros1' or 'cdr', and all sensors the same",
                          connection.topic, connection.encoding));
   }
-  const auto& catalog =
-      *located_at(where, [&] { return &messages::Catalog::for_type(dialect, message); });
+  const auto& catalog = *located_at(where, [&] { return &catalog_of(node, reader.dialect()); });
   const std::string type = located_at(where, [&] { return catalog.full_name(message); });
-  if (connection.type != type) {
+  if (!connection.type.empty() && connection.type != type) {
     throw ConfigurationError(
         where,
         with_code(Code::wrong_message,
@@ -50,26 +124,19 @@ void check_type(const Node& node, const bag::Connection& connection, messages::D
                   "{1}",
                   connection.topic, connection.type, type));
   }
-  const bool ros1 = dialect == messages::Dialect::ros1;
-  const std::string version = ros1 ? catalog.md5(type) : catalog.type_hash(type);
-  if (connection.version != version) {
-    throw ConfigurationError(
-        where, with_code(Code::wrong_message,
-                         "key 'message': the recording's topic {} carries another version of {} "
-                         "({}, ours is {}); {}",
-                         connection.topic, type, connection.version, version,
-                         ros1 ? "'rosbag fix' makes it the version of ROS Noetic"
-                              : "give the .msg file of that version"));
-  }
+  bag::Stream stream = reader.stream(connection.topic, node.name);
+  return check_version(node, connection, type, stream.next());
 }
 
-void check_topic(const Node& node, const bag::Reader& reader) {
+/// @returns warnings
+std::set<std::string> check_topic(const Node& node, const bag::Reader& reader) {
   const std::string& topic = node.parameters.text("topic");
   std::vector<std::string> topics;
+  std::set<std::string> warnings;
   bool found = false;
   for (const bag::Connection& connection : reader.connections()) {
     if (connection.topic == topic) {
-      check_type(node, connection, reader.dialect());
+      warnings.insert(check_type(node, connection, reader));
       found = true;
     }
     topics.push_back(connection.topic);
@@ -82,6 +149,8 @@ void check_topic(const Node& node, const bag::Reader& reader) {
                   topic, meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant),
                   topics_in(reader)));
   }
+  warnings.erase("");
+  return warnings;
 }
 
 /// The tick that uses the last message is run as well.
@@ -99,11 +168,30 @@ void end_with(const bag::Reader& reader, const std::set<std::string>& whole,
 
 }  // namespace
 
+std::vector<std::string> recording_warnings(const Experiment& experiment,
+                                            const bag::Reader& reader) {
+  std::vector<std::string> warnings = reader.warnings();
+  std::set<std::string> told;
+  for (const Node& node : experiment.nodes) {
+    if (takes_messages(node.kind)) {
+      try {
+        told.merge(check_topic(node, reader));
+      } catch (const ConfigurationError&) {  // check_bag() reports it; a replay allows it
+      }
+    }
+  }
+  warnings.insert(warnings.end(), told.begin(), told.end());
+  return warnings;
+}
+
 void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
                    Experiment& experiment, Faults& faults) {
   Robot result;
   result.where = robot.keys.at("bag").where;
   result.bag = in_directory(directory, robot.keys.at("bag").text);
+  while (result.bag.size() > 1 && result.bag.ends_with('/')) {
+    result.bag.pop_back();  // of a folder
+  }
   std::vector<ParameterDescription> declared;
   WrittenValues written = robot.keys;
   for (const ParameterDescription& parameter : robot_parameters()) {

@@ -1,6 +1,16 @@
 #include "bag_transport.hpp"
 
+#include "spikeloop/core/log.hpp"
+#include "spikeloop/experiment/recording.hpp"
+
 namespace spikeloop::fused {
+
+BagTransport::BagTransport(const experiment::Experiment& experiment)
+    : reader_(experiment.robot->bag), commands_(reader_.dialect()) {
+  for (const std::string& warning : experiment::recording_warnings(experiment, reader_)) {
+    log::warning("{}", warning);
+  }
+}
 
 BagTransport::Feed::Feed(const bag::Reader& reader, const experiment::Node& sensor)
     : stream(reader.stream(sensor.parameters.text("topic"), sensor.name)),

@@ -16,8 +16,8 @@ namespace spikeloop::fused {
 /// time. Nobody is at the other end of commands.
 class BagTransport : public Transport {
  public:
-  /// @throws FileError as bag::Reader.
-  explicit BagTransport(const std::string& bag) : reader_(bag), commands_(reader_.dialect()) {}
+  /// Opens the bag of the experiment. @throws FileError as bag::Reader.
+  explicit BagTransport(const experiment::Experiment& experiment);
 
   topics::Session& session(const experiment::Node& node) override;
   /// @throws FileError when the bag is damaged.

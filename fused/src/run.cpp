@@ -348,7 +348,7 @@ std::unique_ptr<Transport> make_transport(const Experiment& experiment, const Ru
       !options.process.empty() && !experiment::meets_robot(experiment, options.process);
   const auto robot = elsewhere ? std::nullopt : experiment.robot;
   if (robot && !robot->bag.empty()) {
-    return std::make_unique<BagTransport>(robot->bag);
+    return std::make_unique<BagTransport>(experiment);
   }
   return std::make_unique<MemoryTransport>(
       robot ? make_robot(experiment, {.folder = options.folder,

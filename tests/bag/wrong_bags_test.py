@@ -68,9 +68,9 @@ def cases(scratch):
                            "geometry_msgs/Twist, not sensor_msgs/LaserScan; write  message: "
                            "geometry_msgs/Twist")
     yield of("other.bag"), (f"{file}:5:51: key 'message': the recording's topic /scan carries another "
-                            "version of sensor_msgs/LaserScan ("
+                            "version of sensor_msgs/LaserScan: its md5 sum is "
                             "0123456789abcdef0123456789abcdef, ours is "
-                            "90c7ef2dc6895d81024acba2ac42f369); 'rosbag fix' makes it the version "
+                            "90c7ef2dc6895d81024acba2ac42f369; 'rosbag fix' makes it the version "
                             "of ROS Noetic")
     yield of("good.bag", width=7), f"{file}:8:13: "
     yield text("bag}", "bag, world: arena.xml}"), (

@@ -1,8 +1,6 @@
 // Reads MCAP files from the first record to the last, so that one without a summary is read as
 // well.
 #include <fmt/format.h>
-#include <lz4frame.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <limits>
@@ -14,9 +12,8 @@
 #include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/core/log.hpp"
-#include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/schema.hpp"
+#include "unpack.hpp"
 
 namespace spikeloop::bag::mcap {
 namespace {
@@ -45,38 +42,9 @@ struct Chunk {
   std::string_view stored;
   std::string_view compression;
   std::uint64_t size;
+
+  bool is_plain() const { return compression.empty() || compression == "none"; }
 };
-
-std::string unpack_lz4(std::string_view stored, std::string bytes) {
-  LZ4F_dctx* context = nullptr;
-  LZ4F_createDecompressionContext(&context, LZ4F_VERSION);
-  std::size_t size = bytes.size();
-  std::size_t used = stored.size();
-  const std::size_t left =
-      LZ4F_decompress(context, bytes.data(), &size, stored.data(), &used, nullptr);
-  LZ4F_freeDecompressionContext(context);
-  if (left != 0 || size != bytes.size()) {
-    throw std::runtime_error("a chunk cannot be unpacked");
-  }
-  return bytes;
-}
-
-/// @throws std::runtime_error
-std::string unpack(const Chunk& chunk) {
-  if (chunk.compression == "zstd" &&
-      ZSTD_getFrameContentSize(chunk.stored.data(), chunk.stored.size()) == chunk.size) {
-    std::string bytes(chunk.size, '\0');
-    if (ZSTD_decompress(bytes.data(), bytes.size(), chunk.stored.data(), chunk.stored.size()) ==
-        chunk.size) {
-      return bytes;
-    }
-  } else if (chunk.compression == "lz4") {
-    return unpack_lz4(chunk.stored, std::string(chunk.size, '\0'));
-  } else if (chunk.compression != "zstd") {
-    throw std::runtime_error(fmt::format("a chunk is compressed by '{}'", chunk.compression));
-  }
-  throw std::runtime_error("a chunk cannot be unpacked");
-}
 
 struct Schema {
   std::string name;
@@ -84,132 +52,92 @@ struct Schema {
   std::string text;
 };
 
-/// "sensor_msgs/msg/LaserScan" is sensor_msgs/LaserScan.
-std::string type_of(std::string name) {
-  if (const auto middle = name.find("/msg/"); middle != std::string::npos) {
-    name.erase(middle, 4);
-  }
-  return name;
-}
-
-/// Empty: the definition cannot be read.
-std::string version_of(messages::Dialect dialect, const std::string& type,
-                       const std::string& text) {
-  try {
-    messages::Catalog catalog(dialect);
-    catalog.add_with_dependencies(type, text);
-    return dialect == messages::Dialect::ros1 ? catalog.md5(type) : catalog.type_hash(type);
-  } catch (const ConfigurationError&) {
-    return "";
-  }
-}
-
-/// Where a message is.
-struct Place {
-  TimeNs time;
-  std::uint32_t chunk;
-  std::uint64_t offset;  ///< of its record, in the unpacked chunk
-  auto operator<=>(const Place&) const = default;
-};
-
+/// Messages refer to chunks. A message outside of a chunk is a chunk by itself.
 struct File {
-  explicit File(const std::string& its_path) : path(its_path), mapping(its_path) {}
+  explicit File(const std::string& path, std::string its_name)
+      : name(std::move(its_name)), mapping(path) {}
 
-  std::string path;
+  std::string name;
   Mapping mapping;
   std::vector<Chunk> chunks;
-  TimeNs begin = 0;
 };
 
 [[noreturn]] void damaged(const std::string& path, const std::string& why) {
   throw FileError(with_code(Code::no_access, "'{}' is damaged: {}", path, why));
 }
 
-class McapStream : public Stream::Impl {
- public:
-  McapStream(std::shared_ptr<const File> file, std::vector<Place> places)
-      : file_(std::move(file)), places_(std::move(places)) {}
+constexpr std::size_t kMessageHead = 22;  // bytes: channel, number, two times
 
-  std::optional<Message> next() override {
-    if (next_ == places_.size()) {
-      return std::nullopt;
-    }
-    const Place& place = places_[next_++];
-    const Chunk& chunk = file_->chunks[place.chunk];
-    if (!chunk.compression.empty() && place.chunk != unpacked_) {
+class McapBytes : public Bytes {
+ public:
+  explicit McapBytes(std::shared_ptr<const File> file) : file_(std::move(file)) {}
+
+  std::span<const std::byte> read(const Place& place) override {
+    const Chunk& chunk = file_->chunks[place.block];
+    if (!chunk.is_plain() && place.block != unpacked_) {
       try {
-        bytes_ = unpack(chunk);
+        bytes_ = unpack_chunk(chunk.compression, chunk.stored, chunk.size);
       } catch (const std::runtime_error& error) {
-        damaged(file_->path, error.what());  // it was good when it was opened
+        damaged(file_->name, error.what());  // the file has changed since it was opened
       }
-      unpacked_ = place.chunk;
+      unpacked_ = place.block;
     }
-    Cursor cursor((chunk.compression.empty() ? chunk.stored : bytes_).substr(place.offset));
+    Cursor cursor((chunk.is_plain() ? chunk.stored : bytes_.view()).substr(place.position));
     Cursor message(next_record(cursor)->content);
     message.take(kMessageHead);
-    return Message{place.time - file_->begin, std::as_bytes(std::span(message.rest()))};
+    return std::as_bytes(std::span(message.rest()));
   }
-
-  static constexpr std::size_t kMessageHead = 22;  // bytes: channel, number, two times
 
  private:
   std::shared_ptr<const File> file_;
-  std::vector<Place> places_;
-  std::size_t next_ = 0;
-  std::string bytes_;
+  Buffer bytes_;
   std::uint32_t unpacked_ = std::numeric_limits<std::uint32_t>::max();
 };
 
 class McapFile : public Source {
  public:
-  explicit McapFile(const std::string& path) : file_(std::make_shared<File>(path)) {
+  McapFile(const std::string& path, const std::string& name)
+      : Source(name), file_(std::make_shared<File>(path, name)) {
+    const std::string_view bytes = file_->mapping.bytes();
+    const bool is_closed = bytes.ends_with(kMagic) && bytes.size() > kMagic.size();
+    bool is_whole = false;
     try {
-      read(file_->mapping.bytes());
+      is_whole = read(bytes);
     } catch (const std::runtime_error& error) {
-      damaged(path, error.what());
-    }
-    finish();
-  }
-
-  std::optional<TimeNs> end_of(const std::string& topic) override {
-    std::optional<TimeNs> end;
-    for (std::size_t i = 0; i < connections_.size(); ++i) {
-      if (connections_[i].topic == topic) {
-        end = std::max(end.value_or(0), places_[i].back().time - file_->begin);
+      if (is_closed) {
+        damaged(name, error.what());
       }
     }
-    return end;
+    keep_used_connections();
+    if (!is_whole) {
+      warn_of_end();
+    }
   }
 
-  std::unique_ptr<Stream::Impl> stream(std::vector<std::size_t> connections) override {
-    std::vector<Place> places;
-    for (const std::size_t connection : connections) {
-      const auto& more = places_.at(connection);
-      places.insert(places.end(), more.begin(), more.end());
-    }
-    std::ranges::sort(places);
-    return std::make_unique<McapStream>(file_, std::move(places));
-  }
+  std::unique_ptr<Bytes> bytes() const override { return std::make_unique<McapBytes>(file_); }
 
  private:
-  void read(std::string_view bytes) {
+  /// True if the file has its end.
+  bool read(std::string_view bytes) {
     Cursor cursor(bytes);
     cursor.take(kMagic.size());
     while (const auto record = next_record(cursor)) {
-      if (record->op == Op::data_end) {
-        return;
-      }
-      if (record->op == Op::chunk) {
-        read_chunk(record->content);
-      } else if (record->op == Op::message) {
-        // A chunk by itself.
-        file_->chunks.push_back({record_around(record->content), "", 0});
-        read_message(record->content, 0);
-      } else {
-        read_definition(*record);
+      switch (record->op) {
+        case Op::data_end:
+        case Op::footer:
+          return true;
+        case Op::chunk:
+          read_chunk(record->content);
+          break;
+        case Op::message:
+          file_->chunks.push_back({record_around(record->content), "", 0});
+          read_message(record->content, 0);
+          break;
+        default:
+          read_definition(*record);
       }
     }
-    is_whole_ = false;
+    return false;
   }
 
   static std::string_view record_around(std::string_view content) {
@@ -224,31 +152,34 @@ class McapFile : public Source {
     const auto sum = cursor.number();
     chunk.compression = cursor.text();
     chunk.stored = cursor.text<std::uint64_t>();
-    if (chunk.size > kLargestChunk ||
-        (chunk.compression.empty() && chunk.size != chunk.stored.size())) {
+    if (chunk.size > kLargestChunk || (chunk.is_plain() && chunk.size != chunk.stored.size())) {
       throw std::runtime_error(fmt::format("a chunk says that it has {} bytes", chunk.size));
     }
-    const std::string bytes = chunk.compression.empty() ? std::string(chunk.stored) : unpack(chunk);
+    Buffer unpacked;
+    if (!chunk.is_plain()) {
+      unpacked = unpack_chunk(chunk.compression, chunk.stored, chunk.size);
+    }
+    const std::string_view bytes = chunk.is_plain() ? chunk.stored : unpacked.view();
     if (sum != 0 && sum != checksum(bytes)) {
       throw std::runtime_error("the checksum of a chunk is wrong");
     }
     file_->chunks.push_back(chunk);
     Cursor records(bytes);
     while (!records.at_end()) {
-      const std::size_t offset = bytes.size() - records.left();
+      const std::size_t position = bytes.size() - records.left();
       const auto record = next_record(records);
       if (!record) {
         throw std::runtime_error("a record leads beyond its end");
       }
       if (record->op == Op::message) {
-        read_message(record->content, offset);
+        read_message(record->content, position);
       } else {
         read_definition(*record);
       }
     }
   }
 
-  void read_message(std::string_view content, std::size_t offset) {
+  void read_message(std::string_view content, std::size_t position) {
     Cursor cursor(content);
     const auto channel = channels_.find(cursor.number<std::uint16_t>());
     cursor.number();  // which of the channel's it is
@@ -258,11 +189,10 @@ class McapFile : public Source {
       throw std::runtime_error("a message belongs to no channel");
     }
     if (time > std::uint64_t{std::numeric_limits<TimeNs>::max()}) {
-      throw std::runtime_error("a message is of no time that there is");
+      throw std::runtime_error("the time of a message is out of range");
     }
-    auto& [connection, places] = channel->second;
-    places.push_back(
-        {static_cast<TimeNs>(time), static_cast<std::uint32_t>(file_->chunks.size() - 1), offset});
+    places_.push_back({static_cast<TimeNs>(time), channel->second,
+                       static_cast<std::uint32_t>(file_->chunks.size() - 1), position});
   }
 
   void read_definition(const Record& record) {
@@ -275,7 +205,8 @@ class McapFile : public Source {
     } else if (record.op == Op::channel) {
       const auto id = cursor.number<std::uint16_t>();
       if (!channels_.contains(id)) {
-        channels_[id].first = connection(cursor);
+        connections_.push_back(connection(cursor));
+        channels_[id] = static_cast<std::uint32_t>(connections_.size() - 1);
       }
     }
   }
@@ -291,57 +222,57 @@ class McapFile : public Source {
       const std::string_view value = metadata.text();
       if (key == kNodeField) {
         result.node = value;
+      } else if (key == "topic_type_hash" ||
+                 key == "md5sum") {  // rosbag2 since Iron; `mcap convert`
+        result.version = value;
       }
     }
     if (schema != schemas_.end()) {
       const auto& [name, encoding, text] = schema->second;
-      result.type = type_of(name);
+      result.type = without_msg(name);
       result.schema = {result.encoding, name, encoding, text};
-      if (result.encoding == messages::kRos1 && encoding == messages::kRos1Definition) {
-        result.dialect = messages::Dialect::ros1;
-      } else if (result.encoding == messages::kRos2 && encoding == messages::kRos2Definition) {
-        result.dialect = messages::Dialect::ros2;
-      }
-      if (result.dialect) {
-        result.version = version_of(*result.dialect, result.type, text);
-      }
     }
+    set_dialect(result);
     return result;
   }
 
-  void finish() {
-    TimeNs first = std::numeric_limits<TimeNs>::max();
-    TimeNs last = 0;
-    for (auto& [id, channel] : channels_) {
-      auto& [connection, places] = channel;
-      if (!places.empty()) {
-        std::ranges::sort(places);
-        first = std::min(first, places.front().time);
-        last = std::max(last, places.back().time);
-        connections_.push_back(std::move(connection));
-        places_.push_back(std::move(places));
+  void keep_used_connections() {
+    std::vector<std::uint32_t> index(connections_.size(), kUnused);
+    std::vector<Connection> used;
+    for (Place& place : places_) {
+      std::uint32_t& now = index[place.connection];
+      if (now == kUnused) {
+        now = static_cast<std::uint32_t>(used.size());
+        used.push_back(connections_[place.connection]);
       }
+      place.connection = now;
     }
-    of_a_run_ =
-        std::ranges::all_of(connections_, [](const auto& one) { return !one.node.empty(); });
-    file_->begin = of_a_run_ || connections_.empty() ? 0 : first;
-    end_ = connections_.empty() ? 0 : last - file_->begin;
-    if (!is_whole_) {
-      log::warning("'{}' was not ended: what is readable are its first {}", file_->path,
-                   format_time(end_));
-    }
+    connections_ = std::move(used);
   }
+
+  void warn_of_end() {
+    const auto by_time = [](const Place& a, const Place& b) { return a.time < b.time; };
+    const auto [first, last] = std::ranges::minmax_element(places_, by_time);
+    warnings_.push_back(fmt::format(
+        "'{}' was not ended: only its first {} can be read", path_,
+        format_time(places_.empty() ? 0 : last->time - (has_run_times() ? 0 : first->time))));
+  }
+
+  bool has_run_times() const {
+    return std::ranges::all_of(connections_, [](const auto& one) { return !one.node.empty(); });
+  }
+
+  static constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
 
   std::shared_ptr<File> file_;
   std::map<std::uint16_t, Schema> schemas_;
-  std::map<std::uint16_t, std::pair<Connection, std::vector<Place>>> channels_;
-  std::vector<std::vector<Place>> places_;  ///< of the connections
-  bool is_whole_ = true;
+  std::map<std::uint16_t, std::uint32_t> channels_;  ///< their connections
 };
 
 }  // namespace
 }  // namespace spikeloop::bag::mcap
 
-std::shared_ptr<spikeloop::bag::Source> spikeloop::bag::open_mcap(const std::string& path) {
-  return std::make_shared<mcap::McapFile>(path);
+std::unique_ptr<spikeloop::bag::Source> spikeloop::bag::open_mcap(const std::string& path,
+                                                                  const std::string& name) {
+  return std::make_unique<mcap::McapFile>(path, name);
 }

@@ -1,16 +1,24 @@
 #include "spikeloop/bag/reader.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cerrno>
-#include <filesystem>
 #include <fstream>
+#include <limits>
+#include <map>
+#include <stdexcept>
 #include <string_view>
+#include <tuple>
 
 #include "mcap_format.hpp"
+#include "parts.hpp"
+#include "recorded_clock.hpp"
 #include "source.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
+#include "unpack.hpp"
 
 namespace spikeloop::bag {
 namespace {
@@ -19,52 +27,245 @@ namespace {
 constexpr std::string_view kOwnTypes = "spikeloop/";
 
 constexpr std::string_view kRos1Magic = "#ROSBAG V";
+constexpr std::string_view kSqliteMagic{"SQLite format 3\0", 16};
 
-/// As rosbag2 writes them.
-[[noreturn]] void refuse_folder(const std::string& folder) {
-  namespace fs = std::filesystem;
-  bool has_sqlite = false;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.path().extension() == ".mcap") {
-      throw FileError(with_code(Code::no_access,
-                                "'{}' is a folder; write the path of the recording in it: {}",
-                                folder, entry.path().string()));
-    }
-    has_sqlite |= entry.path().extension() == ".db3";
-  }
-  throw FileError(with_code(
-      Code::no_access, "'{}' is a folder{}; write the path of a .mcap or .bag file", folder,
-      has_sqlite
-          ? " with a recording in SQLite, which is not read; 'ros2 bag convert' writes MCAP, "
-            "and so does 'ros2 bag record --storage mcap'"
-          : ""));
-}
+/// Files that other programs compress.
+constexpr std::pair<std::string_view, const char*> kPackers[] = {{"\x1F\x8B", "gunzip"},
+                                                                 {"BZh", "bunzip2"},
+                                                                 {"\xFD"
+                                                                  "7zXZ",
+                                                                  "unxz"},
+                                                                 {"\x04\x22\x4D\x18", "unlz4"},
+                                                                 {"PK\x03\x04", "unzip"}};
 
-std::shared_ptr<Source> open(const std::string& path) {
-  if (std::filesystem::is_directory(path)) {
-    refuse_folder(path);
-  }
-  require_regular_file(path, "recording");
+std::string first_bytes(const std::string& path) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  std::string first(kRos1Magic.size(), '\0');
+  std::string first(kSqliteMagic.size(), '\0');
   file.read(first.data(), static_cast<std::streamsize>(first.size()));
   if (errno != 0) {
     throw FileError("read", path, errno);
   }
-  if (first == kRos1Magic) {
+  return first;
+}
+
+[[noreturn]] void refuse_format(const std::string& path, std::string_view first) {
+  for (const auto& [magic, program] : kPackers) {
+    if (first.starts_with(magic)) {
+      throw FileError(with_code(Code::no_access,
+                                "'{0}' is compressed; write  {1} {0}  and the path of the result",
+                                path, program));
+    }
+  }
+  throw FileError(with_code(Code::no_access,
+                            "'{}' is neither an MCAP file nor a recording of ROS 2 in SQLite nor a "
+                            "bag of ROS 1; write the path of a .mcap, .db3 or .bag file",
+                            path));
+}
+
+std::unique_ptr<Source> open_source(const std::string& path, const std::string& name) {
+  const std::string first = first_bytes(path);
+  if (first.starts_with(kRos1Magic)) {
     return open_ros1_bag(path);
   }
   if (first.starts_with(mcap::kMagic)) {
-    return open_mcap(path);
+    return open_mcap(path, name);
   }
-  throw FileError(with_code(
-      Code::no_access,
-      "'{}' is neither an MCAP file nor a bag of ROS 1; write the path of a .mcap or .bag file",
-      path));
+  if (first == kSqliteMagic) {
+    return open_sqlite(path, name);
+  }
+  refuse_format(name, first);
+}
+
+std::unique_ptr<Source> open_part(const std::string& path) {
+  require_regular_file(path, "recording");
+  if (is_zstd(first_bytes(path))) {
+    const UnpackedFile unpacked(path);
+    return open_source(unpacked.path(), path);
+  }
+  return open_source(path, path);
 }
 
 }  // namespace
+
+void set_dialect(Connection& connection) {
+  if (connection.encoding == messages::kRos1) {
+    connection.dialect = messages::Dialect::ros1;
+  } else if (connection.encoding == messages::kRos2) {
+    connection.dialect = messages::Dialect::ros2;
+  }
+}
+
+std::string without_msg(std::string name) {
+  for (auto colons = name.find("::"); colons != std::string::npos; colons = name.find("::")) {
+    name.replace(colons, 2, "/");
+  }
+  if (const auto middle = name.find("/msg/"); middle != std::string::npos) {
+    name.erase(middle, 4);
+  }
+  return name;
+}
+
+/// All files of a recording as one.
+class Recording {
+ public:
+  explicit Recording(const std::string& path) {
+    Parts parts = find_parts(path);
+    warnings_ = std::move(parts.warnings);
+    for (const std::string& file : parts.files) {
+      parts_.push_back(open_part(file));
+      const auto& warnings = parts_.back()->warnings();
+      warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());
+    }
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      add_connections(i);
+    }
+    of_a_run_ =
+        std::ranges::all_of(connections_, [](const auto& one) { return !one.node.empty(); });
+    read_places(path);
+  }
+
+  const std::vector<Connection>& connections() const { return connections_; }
+  bool is_of_a_run() const { return of_a_run_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  TimeNs end() const { return end_; }
+
+  std::optional<TimeNs> end_of(const std::string& topic) const {
+    std::optional<TimeNs> end;
+    for (std::size_t i = 0; i < connections_.size(); ++i) {
+      if (connections_[i].topic == topic) {
+        end = std::max(end.value_or(0), places_[i].back().place.time);
+      }
+    }
+    return end;
+  }
+
+  /// Time since the recording begins.
+  struct PartPlace {
+    Place place;
+    std::uint32_t part;
+  };
+  static bool is_earlier(const PartPlace& a, const PartPlace& b) {
+    return a.place.time < b.place.time;
+  }
+
+  const std::vector<PartPlace>& places(std::size_t connection) const { return places_[connection]; }
+  std::unique_ptr<Bytes> bytes(std::uint32_t part) const { return parts_[part]->bytes(); }
+  const std::string& file(std::uint32_t part) const { return parts_[part]->path(); }
+  std::size_t part_count() const { return parts_.size(); }
+
+ private:
+  /// Connections of one topic in several parts are one connection.
+  void add_connections(std::size_t part) {
+    std::vector<std::uint32_t>& indexes = indexes_.emplace_back();
+    for (const Connection& connection : parts_[part]->connections()) {
+      const auto is_same = [&](const Connection& other) {
+        const auto key = [](const Connection& one) {
+          return std::tie(one.topic, one.type, one.encoding, one.version, one.node,
+                          one.schema.definition);
+        };
+        return key(connection) == key(other);
+      };
+      // Within a part they stay apart: two nodes may have used one topic.
+      const auto end = connections_.begin() + static_cast<std::ptrdiff_t>(before_part_);
+      const auto known = std::find_if(connections_.begin(), end, is_same);
+      indexes.push_back(static_cast<std::uint32_t>((known == end ? connections_.end() : known) -
+                                                   connections_.begin()));
+      if (known == end) {
+        connections_.push_back(connection);
+      }
+    }
+    before_part_ = connections_.size();
+  }
+
+  void read_places(const std::string& path) {
+    places_.resize(connections_.size());
+    RecordedClock clock;
+    TimeNs begin = of_a_run_ ? 0 : std::numeric_limits<TimeNs>::max();
+    for (std::size_t part = 0; part < parts_.size(); ++part) {
+      for (Place place : parts_[part]->take_places()) {
+        const std::uint32_t connection = indexes_[part][place.connection];
+        if (!of_a_run_) {
+          place.time = clock.next(connection, place.time);
+          begin = std::min(begin, place.time);
+        }
+        places_[connection].push_back({place, static_cast<std::uint32_t>(part)});
+      }
+    }
+    for (auto& places : places_) {
+      std::ranges::stable_sort(places, is_earlier);
+      for (PartPlace& one : places) {
+        one.place.time -= begin;
+      }
+      end_ = std::max(end_, places.empty() ? 0 : places.back().place.time);
+    }
+    if (const std::string warning = clock.warning(path); !warning.empty()) {
+      warnings_.push_back(warning);
+    }
+  }
+
+  std::vector<std::unique_ptr<Source>> parts_;
+  std::vector<Connection> connections_;              ///< that have messages
+  std::vector<std::vector<std::uint32_t>> indexes_;  ///< of the connections of every part
+  std::size_t before_part_ = 0;
+  std::vector<std::vector<PartPlace>> places_;  ///< of every connection, by time
+  std::vector<std::string> warnings_;
+  bool of_a_run_ = false;
+  TimeNs end_ = 0;
+};
+
+/// Reads messages in the order of their times.
+struct Stream::Impl {
+  Impl(std::shared_ptr<const Recording> whose, const std::vector<std::size_t>& connections)
+      : recording(std::move(whose)), bytes(recording->part_count()) {
+    for (const std::size_t connection : connections) {
+      may_be_packed |= recording->connections()[connection].dialect == messages::Dialect::ros2;
+      const auto& places = recording->places(connection);
+      if (connections.size() == 1) {
+        all = places;
+      } else {
+        merged.insert(merged.end(), places.begin(), places.end());
+      }
+    }
+    if (connections.size() > 1) {
+      std::ranges::stable_sort(merged, Recording::is_earlier);
+      all = merged;
+    }
+  }
+
+  std::optional<Message> next() {
+    if (all.empty()) {
+      return std::nullopt;
+    }
+    const auto [place, part] = all.front();
+    all = all.subspan(1);
+    if (!bytes[part]) {
+      bytes[part] = recording->bytes(part);
+    }
+    std::span<const std::byte> message = bytes[part]->read(place);
+    if (may_be_packed && is_zstd(mcap::as_text(message))) {  // no message in CDR begins like this
+      message = unpack(message, part);
+    }
+    return Message{place.time, message};
+  }
+
+  std::span<const std::byte> unpack(std::span<const std::byte> message, std::uint32_t part) {
+    try {
+      unpacked = unpack_message(mcap::as_text(message));
+    } catch (const std::runtime_error& error) {
+      throw FileError(
+          with_code(Code::no_access, "'{}' is damaged: {}", recording->file(part), error.what()));
+    }
+    return std::as_bytes(std::span(unpacked.view()));
+  }
+
+  std::shared_ptr<const Recording> recording;
+  std::vector<std::unique_ptr<Bytes>> bytes;  ///< of the parts that were used
+  std::vector<Recording::PartPlace> merged;
+  std::span<const Recording::PartPlace> all;  ///< messages that are left
+  bool may_be_packed = false;
+  Buffer unpacked;
+};
 
 Stream::Stream(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Stream::~Stream() = default;
@@ -75,15 +276,15 @@ std::optional<Message> Stream::next() {
   return impl_->next();
 }
 
-Reader::Reader(const std::string& path) : source_(open(path)) {}
+Reader::Reader(const std::string& path) : recording_(std::make_shared<Recording>(path)) {}
 Reader::~Reader() = default;
 
 bool Reader::is_of_a_run() const {
-  return source_->is_of_a_run();
+  return recording_->is_of_a_run();
 }
 
 const std::vector<Connection>& Reader::connections() const {
-  return source_->connections();
+  return recording_->connections();
 }
 
 messages::Dialect Reader::dialect() const {
@@ -94,12 +295,16 @@ messages::Dialect Reader::dialect() const {
                                                      : messages::Dialect::ros1;
 }
 
+const std::vector<std::string>& Reader::warnings() const {
+  return recording_->warnings();
+}
+
 TimeNs Reader::end() const {
-  return source_->end();
+  return recording_->end();
 }
 
 std::optional<TimeNs> Reader::end_of(const std::string& topic) const {
-  return source_->end_of(topic);
+  return recording_->end_of(topic);
 }
 
 Stream Reader::stream(const std::string& topic, const std::string& node) const {
@@ -116,7 +321,7 @@ Stream Reader::stream(const std::string& topic, const std::string& node) const {
   if (is_of_a_run() && !of_topic.empty()) {
     of_topic = of_node.empty() ? std::vector{of_topic.front()} : of_node;
   }
-  return Stream(source_->stream(std::move(of_topic)));
+  return Stream(std::make_unique<Stream::Impl>(recording_, of_topic));
 }
 
 }  // namespace spikeloop::bag

@@ -3,7 +3,8 @@
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
-#include <set>
+#include <algorithm>
+#include <map>
 
 #include "source.hpp"
 #include "spikeloop/core/code.hpp"
@@ -60,74 +61,40 @@ struct ByteSink {
 struct Opened {
   std::string path;
   rosbag::Bag bag;
-  TimeNs begin = 0;
-
-  TimeNs time(const ros::Time& stamp) const { return static_cast<TimeNs>(stamp.toNSec()) - begin; }
+  std::vector<rosbag::MessageInstance> messages;  ///< a Place's position is an index
 };
 
-struct Ros1Stream : Stream::Impl {
-  explicit Ros1Stream(std::shared_ptr<const Opened> whose) : opened(std::move(whose)) {}
+class Ros1Bytes : public Bytes {
+ public:
+  explicit Ros1Bytes(std::shared_ptr<const Opened> opened) : opened_(std::move(opened)) {}
 
-  std::optional<Message> next() override {
-    return reading(opened->path, [&]() -> std::optional<Message> {
-      if (!begun) {
-        at = view.begin();
-        begun = true;
-      } else if (at != view.end()) {
-        ++at;
-      }
-      if (at == view.end()) {
-        return std::nullopt;
-      }
-      const rosbag::MessageInstance& message = *at;
-      bytes.clear();
-      ByteSink sink{&bytes};
-      message.write(sink);
-      return Message{opened->time(message.getTime()), bytes};
+  std::span<const std::byte> read(const Place& place) override {
+    return reading(opened_->path, [&] {
+      bytes_.clear();
+      ByteSink sink{&bytes_};
+      opened_->messages[place.position].write(sink);
+      return std::span<const std::byte>(bytes_);
     });
   }
 
-  std::shared_ptr<const Opened> opened;
-  rosbag::View view;
-  rosbag::View::iterator at;
-  bool begun = false;
-  std::vector<std::byte> bytes;
+ private:
+  std::shared_ptr<const Opened> opened_;
+  std::vector<std::byte> bytes_;
 };
 
 class Ros1Bag : public Source {
  public:
-  explicit Ros1Bag(const std::string& path) {
+  explicit Ros1Bag(const std::string& path) : Source(path) {
     opened_->path = path;
     reading(path, [&] { open(path); });
   }
 
-  std::optional<TimeNs> end_of(const std::string& topic) override {
-    return reading(opened_->path, [&]() -> std::optional<TimeNs> {
-      rosbag::View view(opened_->bag, rosbag::TopicQuery(topic));
-      if (view.size() == 0) {
-        return std::nullopt;
-      }
-      return opened_->time(view.getEndTime());
-    });
-  }
-
-  std::unique_ptr<Stream::Impl> stream(std::vector<std::size_t> connections) override {
-    std::set<std::uint32_t> ids;
-    for (const std::size_t connection : connections) {
-      ids.insert(ids_.at(connection));
-    }
-    auto stream = std::make_unique<Ros1Stream>(opened_);
-    reading(opened_->path, [&] {
-      stream->view.addQuery(opened_->bag, [ids](const rosbag::ConnectionInfo* info) {
-        return ids.contains(info->id);
-      });
-    });
-    return stream;
-  }
+  std::unique_ptr<Bytes> bytes() const override { return std::make_unique<Ros1Bytes>(opened_); }
 
  private:
   void open(const std::string& path) {
-    if (!check_structure(path)) {
+    BagStructure structure = check_structure(path);
+    if (!structure.has_index) {
       throw rosbag::BagUnindexedException();
     }
     try_in_a_copy(path, "rosbag", [&] {
@@ -136,30 +103,58 @@ class Ros1Bag : public Source {
     });
     opened_->bag.open(path, rosbag::bagmode::Read);
     rosbag::View view(opened_->bag);
+    // Connections are told apart by the address of their topic: a message has no other access.
+    std::map<const std::string*, std::uint32_t> indexes;
+    std::vector<std::vector<BagPosition>> positions;
     for (const rosbag::ConnectionInfo* info : view.getConnections()) {
+      indexes[&info->topic] = static_cast<std::uint32_t>(connections_.size());
+      positions.push_back(std::move(structure.positions[info->id]));
       connections_.push_back({.topic = info->topic,
                               .type = info->datatype,
-                              .encoding = "ros1",
+                              .encoding = std::string(messages::kRos1),
                               .dialect = messages::Dialect::ros1,
                               .version = info->md5sum,
                               .schema = {std::string(messages::kRos1), info->datatype,
                                          std::string(messages::kRos1Definition), info->msg_def}});
-      ids_.push_back(info->id);
     }
-    if (view.size() > 0) {
-      opened_->begin = static_cast<TimeNs>(view.getBeginTime().toNSec());
-      end_ = opened_->time(view.getEndTime());
+    for (const rosbag::MessageInstance& message : view) {
+      places_.push_back({static_cast<TimeNs>(message.getTime().toNSec()),
+                         indexes.at(&message.getTopic()), 0, opened_->messages.size()});
+      opened_->messages.push_back(message);
     }
+    sort_as_recorded(std::move(positions));
+  }
+
+  /// rosbag gives the messages by time. Messages of a connection at the same time stay in order, so
+  /// that the n-th one is the n-th of the index by time.
+  void sort_as_recorded(std::vector<std::vector<BagPosition>> positions) {
+    using Key = std::pair<std::uint64_t, std::uint32_t>;
+    std::vector<std::pair<Key, Place>> keyed;
+    std::vector<std::size_t> used(positions.size());
+    for (auto& of_connection : positions) {
+      std::ranges::stable_sort(of_connection, {}, [](const BagPosition& one) {
+        return std::pair(one.seconds, one.nanoseconds);
+      });
+    }
+    for (const Place& place : places_) {
+      const auto& of_connection = positions[place.connection];
+      if (used[place.connection] == of_connection.size()) {
+        return;  // an older format: by time
+      }
+      const BagPosition& at = of_connection[used[place.connection]++];
+      keyed.emplace_back(Key{at.chunk, at.offset}, place);
+    }
+    std::ranges::stable_sort(keyed, {}, &std::pair<Key, Place>::first);
+    std::ranges::transform(keyed, places_.begin(), &std::pair<Key, Place>::second);
   }
 
   std::shared_ptr<Opened> opened_ = std::make_shared<Opened>();
-  std::vector<std::uint32_t> ids_;  ///< of the connections, as rosbag numbers them
 };
 
 }  // namespace
 
-std::shared_ptr<Source> open_ros1_bag(const std::string& path) {
-  return std::make_shared<Ros1Bag>(path);
+std::unique_ptr<Source> open_ros1_bag(const std::string& path) {
+  return std::make_unique<Ros1Bag>(path);
 }
 
 }  // namespace spikeloop::bag

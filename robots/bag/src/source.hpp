@@ -1,46 +1,69 @@
-// A file of messages, whatever its format.
+// A file of messages in any format.
 #pragma once
 
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "spikeloop/bag/reader.hpp"
 
 namespace spikeloop::bag {
 
-/// Gives messages in the order of their times.
-struct Stream::Impl {
-  Impl() = default;
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-  virtual ~Impl() = default;
-  virtual std::optional<Message> next() = 0;
+/// Where a message is in its file. The format defines `block` and `position`.
+struct Place {
+  TimeNs time;
+  std::uint32_t connection;
+  std::uint32_t block;
+  std::uint64_t position;
 };
 
+/// Reads single messages of a file.
+class Bytes {
+ public:
+  Bytes() = default;
+  Bytes(const Bytes&) = delete;
+  Bytes& operator=(const Bytes&) = delete;
+  virtual ~Bytes() = default;
+
+  /// Valid until the next call. @throws FileError if the file is damaged.
+  virtual std::span<const std::byte> read(const Place& place) = 0;
+};
+
+/// One file, with the times that it has.
 class Source {
  public:
-  Source() = default;
+  explicit Source(std::string path) : path_(std::move(path)) {}
   Source(const Source&) = delete;
   Source& operator=(const Source&) = delete;
   virtual ~Source() = default;
 
+  const std::string& path() const { return path_; }
+  /// Connections that have messages.
   const std::vector<Connection>& connections() const { return connections_; }
-  bool is_of_a_run() const { return of_a_run_; }
-  TimeNs end() const { return end_; }
-  virtual std::optional<TimeNs> end_of(const std::string& topic) = 0;
-  /// All messages of these connections. May outlive the source's last user.
-  virtual std::unique_ptr<Stream::Impl> stream(std::vector<std::size_t> connections) = 0;
+  /// All messages in the order of the file. The second call returns none.
+  std::vector<Place> take_places() { return std::exchange(places_, {}); }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  /// May outlive the source.
+  virtual std::unique_ptr<Bytes> bytes() const = 0;
 
  protected:
-  std::vector<Connection> connections_;  ///< that have messages
-  bool of_a_run_ = false;
-  TimeNs end_ = 0;
+  std::string path_;
+  std::vector<Connection> connections_;
+  std::vector<Place> places_;
+  std::vector<std::string> warnings_;
 };
 
 /// @throws FileError as Reader.
-std::shared_ptr<Source> open_ros1_bag(const std::string& path);
-std::shared_ptr<Source> open_mcap(const std::string& path);
+std::unique_ptr<Source> open_ros1_bag(const std::string& path);
+/// @param name path for messages: the file itself may be an unpacked copy
+std::unique_ptr<Source> open_mcap(const std::string& path, const std::string& name);
+std::unique_ptr<Source> open_sqlite(const std::string& path, const std::string& name);
+
+/// "sensor_msgs/LaserScan" of "sensor_msgs/msg/LaserScan" or "sensor_msgs::msg::LaserScan".
+std::string without_msg(std::string name);
+/// Sets the dialect of a connection from its encoding.
+void set_dialect(Connection& connection);
 
 }  // namespace spikeloop::bag

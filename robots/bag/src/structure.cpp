@@ -65,7 +65,9 @@ Record next_record(Cursor& cursor) {
   return record;
 }
 
-void check_index(const Record& index, const Record& chunk) {
+/// Appends the positions of a connection's messages in a chunk.
+void check_index(const Record& index, const Record& chunk, std::uint64_t chunk_at,
+                 std::vector<BagPosition>& positions) {
   constexpr std::uint32_t kLargest = 1'000'000'000;  // bytes; rosbag begins another after 768 kB
   const auto size = Cursor(chunk.field("size", 4)).number();
   const bool plain = chunk.fields.contains("compression") &&
@@ -76,7 +78,11 @@ void check_index(const Record& index, const Record& chunk) {
   std::set<std::uint32_t> seen;
   Cursor entries(index.data);
   for (auto count = Cursor(index.field("count", 4)).number(); count > 0; --count) {
-    const std::uint32_t offset = Cursor(entries.take(kIndexEntry).substr(8)).number();
+    Cursor entry(entries.take(kIndexEntry));
+    const auto seconds = entry.number();
+    const auto nanoseconds = entry.number();
+    const auto offset = entry.number();
+    positions.push_back({seconds, nanoseconds, chunk_at, offset});
     if (offset >= size || (plain && offset >= chunk.data.size())) {
       throw std::runtime_error("its index leads outside of a chunk");
     }
@@ -91,20 +97,23 @@ void check_index(const Record& index, const Record& chunk) {
 
 }  // namespace
 
-bool check_structure(const std::string& path) {
+BagStructure check_structure(const std::string& path) {
+  BagStructure structure;
   const Mapping file(path);
   if (!file.bytes().starts_with(kVersion)) {
-    return true;  // an older format, which rosbag knows
+    return structure;  // an older format, which rosbag knows
   }
   Cursor cursor(file.bytes());
   cursor.take(kVersion.size());
   const Record header = next_record(cursor);
   const std::uint64_t index = header.kind() == kFileHeader ? header.position("index_pos") : 0;
   if (index == 0) {
-    return false;
+    structure.has_index = false;
+    return structure;
   }
   std::set<std::uint64_t> chunks;
   std::optional<Record> chunk;
+  std::uint64_t chunk_at = 0;
   bool found = false;
   while (!cursor.at_end()) {
     const std::uint64_t at = file.bytes().size() - cursor.left();
@@ -113,8 +122,10 @@ bool check_structure(const std::string& path) {
     if (record.kind() == kChunk) {
       chunks.insert(at);
       chunk = std::move(record);
+      chunk_at = at;
     } else if (record.kind() == kIndex && chunk) {
-      check_index(record, *chunk);
+      const auto connection = Cursor(record.field("conn", 4)).number();
+      check_index(record, *chunk, chunk_at, structure.positions[connection]);
     } else if (record.kind() == kConnection) {
       fields_of(record.data);
     } else if (record.kind() == kChunkInfo && !chunks.contains(record.position("chunk_pos"))) {
@@ -124,7 +135,7 @@ bool check_structure(const std::string& path) {
   if (!found && index != file.bytes().size()) {
     throw std::runtime_error("its index is not where it should be");
   }
-  return true;
+  return structure;
 }
 
 }  // namespace spikeloop::bag

@@ -132,13 +132,14 @@ void Catalog::add_with_dependencies(std::string_view name, std::string_view full
   while (begin < full_text.size()) {
     const auto end = std::min(full_text.find('\n', begin), full_text.size());
     const std::string_view line = full_text.substr(begin, end - begin);
+    const std::string_view bare = line.substr(0, line.find_last_not_of(" \t\r") + 1);
     begin = end + 1;
-    if (line.size() >= 3 && line.find_first_not_of('=') == std::string_view::npos) {
+    if (bare.size() >= 3 && bare.find_first_not_of('=') == std::string_view::npos) {
       continue;
     }
-    if (line.starts_with(kHeadline)) {
+    if (bare.starts_with(kHeadline)) {
       add(current, text);
-      current = line.substr(kHeadline.size());
+      current = without_folder(bare.substr(kHeadline.size()));
       text.clear();
       continue;
     }

@@ -178,7 +178,11 @@ class Parser {
     field.written_type = type;
     field.name = name;
     const auto bracket = type.find('[');
-    resolve_type(type, type.substr(0, bracket), field);
+    std::string base(type.substr(0, bracket));
+    if (const auto folder = base.find("/msg/"); folder != std::string::npos) {
+      base.erase(folder, 4);  // PACKAGE/msg/Type, as some programs write it into recordings
+    }
+    resolve_type(type, base, field);
     if (bracket != std::string_view::npos) {
       parse_brackets(type.substr(bracket), field);
     }

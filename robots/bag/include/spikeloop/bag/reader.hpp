@@ -1,5 +1,5 @@
-// Reads the messages of an MCAP file, one that recorder.hpp wrote or anyone's, or of a bag of
-// ROS 1.
+// Reads the messages of a recording: MCAP files, those of recorder.hpp or of any other program,
+// SQLite files of ROS 2, and bags of ROS 1.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ struct Connection {
   std::string type;                            ///< PACKAGE/TYPE
   std::string encoding;                        ///< "ros1", "cdr", or another one
   std::optional<messages::Dialect> dialect{};  ///< of the encoding; none: sensors cannot take it
-  std::string version{};      ///< the md5 sum of ROS 1, the type hash of ROS 2; empty: not known
+  std::string version{};      ///< md5 sum of ROS 1, type hash of ROS 2; empty if it is not known
   std::string node{};         ///< of a run; empty in any other recording
   messages::Schema schema{};  ///< as the file has it
 };
@@ -48,12 +48,14 @@ class Stream {
   std::unique_ptr<Impl> impl_;
 };
 
-class Source;
+class Recording;
 
 class Reader {
  public:
-  /// Reads the index. Of an MCAP file that was not ended, what is readable, with a warning.
-  /// @throws FileError: no such file, of neither format, damaged, a bag without index.
+  /// Finds all messages. `path` is a file, or a folder whose files are the parts of a recording.
+  /// Of an MCAP file that was not ended, reads as much as possible, with a warning.
+  /// @throws FileError: no such file, unknown format, damaged, a bag without index, a part is
+  /// missing.
   explicit Reader(const std::string& path);
   ~Reader();
   Reader(const Reader&) = delete;
@@ -62,6 +64,8 @@ class Reader {
   /// Whether a run left it, so that its times are simulated ones.
   bool is_of_a_run() const;
   const std::vector<Connection>& connections() const;
+  /// What a user should know of the files: cut off, parts that are left out, jumps of the clock.
+  const std::vector<std::string>& warnings() const;
   /// ROS 2 when a connection is, but for spikes and signals.
   messages::Dialect dialect() const;
   /// Of the last message of all.
@@ -74,7 +78,7 @@ class Reader {
   Stream stream(const std::string& topic, const std::string& node) const;
 
  private:
-  std::shared_ptr<Source> source_;
+  std::shared_ptr<const Recording> recording_;
 };
 
 }  // namespace spikeloop::bag

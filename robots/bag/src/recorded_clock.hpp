@@ -1,0 +1,39 @@
+// Times of messages, without the jumps of the clock of the computer that recorded them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "spikeloop/core/time.hpp"
+
+namespace spikeloop::bag {
+
+/// A clock jumps when it is set, when a simulation starts again, and at the first /clock of
+/// `ros2 bag record --use-sim-time`, which gives time 0 to the messages before. A jump is a step
+/// forward by more than a day, or backward by more than a second within one connection. Files are
+/// written in the order of arrival, so that the message after a jump follows the one before.
+class RecordedClock {
+ public:
+  /// Time of the next message in the order of the file, without jumps.
+  TimeNs next(std::uint32_t connection, TimeNs time);
+  /// Sentence that names the first jump and the number of the others; empty if there are none.
+  std::string warning(const std::string& recording) const;
+
+ private:
+  struct Jump {
+    TimeNs from;
+    TimeNs to;
+    std::uint64_t messages;  ///< before the jump
+  };
+
+  std::vector<TimeNs> last_;  ///< of connections, without jumps
+  TimeNs newest_ = 0;         ///< of all messages, without jumps
+  TimeNs offset_ = 0;         ///< to add to times of the file
+  std::uint64_t messages_ = 0;
+  std::optional<Jump> first_;
+  std::uint64_t jumps_ = 0;
+};
+
+}  // namespace spikeloop::bag
