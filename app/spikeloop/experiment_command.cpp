@@ -14,6 +14,7 @@
 #include "diagnostic_text.hpp"
 #include "experiment_places.hpp"
 #include "output.hpp"
+#include "recording_check.hpp"
 #include "resources.hpp"
 #include "ros2_look.hpp"
 #include "ros_arguments.hpp"
@@ -429,6 +430,21 @@ int use_experiment(const std::string& file, const std::function<int(const Experi
   return kWarningsOnly;
 }
 
+/// Returns the exit code.
+int report_recording(const Experiment& experiment, bool strict) {
+  const RecordingCheck check = check_recording(experiment);
+  const TimeNs length = experiment.duration.value_or(check.checked);
+  if (check.checked < length && !has_errors(check.diagnostics)) {
+    put(stderr, fmt::format("spikeloop: {}: the first {} of {} of the recording were checked\n",
+                            experiment.path, format_time(check.checked), format_time(length)));
+  }
+  if (check.diagnostics.empty()) {
+    return 0;
+  }
+  const int exit_code = print_diagnostics(experiment.path, check.diagnostics);
+  return exit_code == 0 && strict ? kWarningsOnly : exit_code;
+}
+
 int check_experiment(const std::string& file, const Settings& settings,
                      const CheckOptions& options) {
   const auto loaded = load_with_simulators(file, {.settings = settings});
@@ -441,6 +457,9 @@ int check_experiment(const std::string& file, const Settings& settings,
     return exit_code == 0 && options.strict ? kWarningsOnly : exit_code;
   }
   const Experiment& experiment = *loaded->experiment;
+  if (const int exit_code = report_recording(experiment, options.strict); exit_code != 0) {
+    return exit_code;
+  }
   if (options.json) {
     put_result(fused::resolved_json(experiment::with_layout_delays(experiment)).dump(2) + "\n");
     return 0;

@@ -1,0 +1,20 @@
+// What a run would report of the recording that replaces its robot.
+#pragma once
+
+#include "spikeloop/core/diagnostic.hpp"
+#include "spikeloop/core/time.hpp"
+#include "spikeloop/experiment/experiment.hpp"
+
+namespace spikeloop::app {
+
+struct RecordingCheck {
+  Diagnostics diagnostics;  ///< the error that would end the run comes last
+  TimeNs checked = 0;       ///< shorter than the experiment if the recording is large
+};
+
+/// Passes the messages of the recording to the sensors of an experiment, as a run does, for at most
+/// 10 s of wall time. Nothing else of the experiment runs. An experiment without a recording has no
+/// diagnostics.
+RecordingCheck check_recording(const experiment::Experiment& experiment);
+
+}  // namespace spikeloop::app
