@@ -91,9 +91,7 @@ std::string check_version(const Node& node, const bag::Connection& connection,
                      fmt::format("its messages have no field '{}'", missing.front()));
     }
   }
-  // rosbag2 stores no definitions in SQLite before Iron.
-  const bool has_none =
-      connection.schema.definition.empty() && connection.schema.definition_encoding.empty();
+  const bool has_none = connection.schema.encoding.empty();  // as in SQLite before Iron
   if (!is_unknown || has_none) {
     return "";
   }

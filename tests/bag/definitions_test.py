@@ -47,7 +47,7 @@ def unusable_definitions(scratch):
            "before Header": SCAN[:SCAN.index("====")]}
     cases = [(text, "ros2msg", "it is cut off") for text in cut.values()] + [
         (IDL, "ros2idl", "it is in the format 'ros2idl'"), ("", "ros2msg", "it is empty"),
-        ("\r\n", "", "it is empty"), ("Definition of sensor_msgs/LaserScan", "ros2msg", "its line 1 cannot be read"),
+        ("\r\n", "", "it is empty"), ("", "", "it is empty"), ("Definition of sensor_msgs/LaserScan", "ros2msg", "its line 1 cannot be read"),
         ("{\"title\": \"LaserScan\"}", "jsonschema", "it is in the format 'jsonschema'")]
     for text, encoding, reason in cases:
         recording = writer.mcap(scratch / "x.mcap", scans(), schema=text, encoding=encoding)
@@ -124,6 +124,7 @@ def clocks_that_jump(scratch):
              ([10, 10.5, now, now + 1], [1, 501, 1501], "from 10.5 s to 1700000000 s after 2 messages;"),
              ([now, now + 0.5, 20, 20.5, 21], [1, 501, 1001, 1501], "from 1700000000.5 s to 20 s after 2 messages;"),
              ([5, 6, 5 + now, 6, 7], [1, 1001, 2001], ", and 1 more times;"),
+             ([0, 0, 100, 101], [1, 1001], "from 0 s to 100 s after 2 messages;"),
              # A step of less than a second is one of NTP, and a day may have no message.
              ([5, 6, 5.5, 7], [1, 501, 1001, 2001], None), ([0, 12, 13], [1, 12001, 13001], None)]
     for times, ticks, warning in cases:
@@ -134,6 +135,14 @@ def clocks_that_jump(scratch):
         if warning:
             runs.assert_says(printed, warning)
             runs.assert_says(bags.spikeloop("check", scratch / "x.yaml"), warning)
+
+
+def long_gap(scratch):
+    """It is kept, because the robot may have paused."""
+    recording = writer.mcap(scratch / "x.mcap", [(t * SECOND, writer.scan()) for t in (1000, 1001, 4601, 4602)])
+    _, ticks, printed = values_of(scratch, recording)
+    assert list(ticks) == [1, 1001, 3601001, 3602001], ticks
+    runs.assert_says(printed, "x.mcap': there is no message from 1 s to 3601 s")
 
 
 def ros1_clock(scratch):
@@ -179,6 +188,7 @@ def main():
         custom_type(scratch)
         other_versions(scratch)
         clocks_that_jump(scratch)
+        long_gap(scratch)
         ros1_clock(scratch)
         checks(scratch)
 

@@ -78,7 +78,8 @@ PACKERS = {
              "checksum": zstandard.ZstdCompressor(write_checksum=True).compress},
     "lz4": {"one frame": lz4_frame, "several frames": several(lz4_frame), "block": lz4_block,
             "skippable frame": lambda data: struct.pack("<II", 0x184D2A5F, 4) + b"note" + lz4_frame(data),
-            "independent blocks": lambda data: lz4_frame(data, True, False, True)},
+            "independent blocks": lambda data: lz4_frame(data, True, False, True),
+            "block behind its size": lambda data: struct.pack("<I", len(data)) + lz4_block(data)},
     "none": {"uncompressed chunk": lambda data: data},
 }
 
@@ -174,6 +175,9 @@ def odd_folders(scratch):
     (folder / "metadata.yaml").write_text("rosbag2_bagfile_information: {relative_file_paths: [")
     runs.refused("metadata.yaml' is damaged", "check", file, code=4)
     (folder / "metadata.yaml").unlink()
+    (folder / "mcap_10.mcap").rename(scratch / "mcap_10.mcap")
+    runs.assert_says(bags.spikeloop("check", file), "part 10 is missing before 'mcap_11.mcap'")
+    (scratch / "mcap_10.mcap").rename(folder / "mcap_10.mcap")
     writer.db3(folder / "mcap_11.db3", scans(15, 5))
     same_as_plain(scratch, folder, "mcap_11.db3' is left out, because")
     writer.mcap(folder / "other.mcap", scans())

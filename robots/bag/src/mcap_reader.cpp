@@ -227,11 +227,9 @@ class McapFile : public Source {
         result.version = value;
       }
     }
-    if (schema != schemas_.end()) {
-      const auto& [name, encoding, text] = schema->second;
-      result.type = without_msg(name);
-      result.schema = {result.encoding, name, encoding, text};
-    }
+    const auto& [name, encoding, text] = schema == schemas_.end() ? Schema{} : schema->second;
+    result.type = without_msg(name);
+    result.schema = {result.encoding, name, encoding, text};
     set_dialect(result);
     return result;
   }

@@ -176,6 +176,10 @@ Parts named_parts(const fs::path& folder) {
                                            (folder / file).string(), parts.files.back()));
     } else {
       parts.files.push_back((folder / file).string());
+      if (before && key.first > *before + 1) {
+        parts.warnings.push_back(fmt::format("'{}': part {} is missing before '{}'",
+                                             folder.string(), *before + 1, file));
+      }
     }
     before = key.first;
   }

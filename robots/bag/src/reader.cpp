@@ -202,6 +202,20 @@ class Recording {
     if (const std::string warning = clock.warning(path); !warning.empty()) {
       warnings_.push_back(warning);
     }
+    warn_of_gap(path, clock.longest_gap().begin - begin, clock.longest_gap().end - begin);
+  }
+
+  void warn_of_gap(const std::string& path, TimeNs from, TimeNs to) {
+    constexpr TimeNs kLong = 60 * kNsPerSecond;
+    const auto is_empty = [&](const std::vector<PartPlace>& places) {
+      const auto after = std::ranges::upper_bound(
+          places, from, {}, [](const PartPlace& one) { return one.place.time; });
+      return after == places.end() || after->place.time >= to;
+    };
+    if (to - from > kLong && std::ranges::all_of(places_, is_empty)) {
+      warnings_.push_back(fmt::format("'{}': there is no message from {} to {}", path,
+                                      format_time(from), format_time(to)));
+    }
   }
 
   std::vector<std::unique_ptr<Source>> parts_;

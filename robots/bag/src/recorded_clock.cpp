@@ -9,6 +9,7 @@ namespace spikeloop::bag {
 namespace {
 
 constexpr TimeNs kForward = 24 * 3600 * kNsPerSecond;
+constexpr TimeNs kForwardFromZero = 60 * kNsPerSecond;
 constexpr TimeNs kBackward = kNsPerSecond;
 constexpr TimeNs kNone = std::numeric_limits<TimeNs>::min();
 
@@ -20,14 +21,18 @@ TimeNs RecordedClock::next(std::uint32_t connection, TimeNs time) {
   }
   TimeNs& last = last_[connection];
   TimeNs result = time + offset_;
-  const bool jumps = messages_ > 0 &&
-                     (result - newest_ > kForward || (last != kNone && last - result > kBackward));
+  const TimeNs longest = newest_ == offset_ ? kForwardFromZero : kForward;
+  const bool jumps =
+      messages_ > 0 && (result - newest_ > longest || (last != kNone && last - result > kBackward));
   if (jumps) {
     if (jumps_++ == 0) {
       first_ = {newest_ - offset_, time, messages_};
     }
     offset_ += newest_ - result;
     result = newest_;
+  }
+  if (messages_ > 0 && result - newest_ > gap_.end - gap_.begin) {
+    gap_ = {newest_, result};
   }
   newest_ = messages_ == 0 ? result : std::max(newest_, result);
   last = std::max(last, result);

@@ -12,14 +12,21 @@ namespace spikeloop::bag {
 
 /// A clock jumps when it is set, when a simulation starts again, and at the first /clock of
 /// `ros2 bag record --use-sim-time`, which gives time 0 to the messages before. A jump is a step
-/// forward by more than a day, or backward by more than a second within one connection. Files are
-/// written in the order of arrival, so that the message after a jump follows the one before.
+/// forward by more than a day (from time 0: a minute), or backward by more than a second within one
+/// connection. Files are written in the order of arrival, so that the message after a jump follows
+/// the one before.
 class RecordedClock {
  public:
   /// Time of the next message in the order of the file, without jumps.
   TimeNs next(std::uint32_t connection, TimeNs time);
   /// Sentence that names the first jump and the number of the others; empty if there are none.
   std::string warning(const std::string& recording) const;
+  /// The longest time between two messages that follow each other in the file, without jumps.
+  struct Gap {
+    TimeNs begin = 0;
+    TimeNs end = 0;
+  };
+  const Gap& longest_gap() const { return gap_; }
 
  private:
   struct Jump {
@@ -34,6 +41,7 @@ class RecordedClock {
   std::uint64_t messages_ = 0;
   std::optional<Jump> first_;
   std::uint64_t jumps_ = 0;
+  Gap gap_;
 };
 
 }  // namespace spikeloop::bag

@@ -27,6 +27,19 @@ namespace {
                             name, why));
 }
 
+/// The error of the last call.
+[[noreturn]] void refuse(const std::string& name, sqlite3* database) {
+  const int error = ::sqlite3_errcode(database);
+  const std::string why = ::sqlite3_errmsg(database);
+  if (error == SQLITE_CANTOPEN || error == SQLITE_READONLY) {
+    throw FileError(with_code(Code::no_access,
+                              "'{0}' cannot be opened: {1}; copy it, with {0}-wal if there is one, "
+                              "to a folder that can be written",
+                              name, why));
+  }
+  refuse(name, why);
+}
+
 /// One file that is open for reading.
 class Database {
  public:
@@ -45,9 +58,9 @@ class Database {
     const int error =
         ::sqlite3_open_v2(uri.c_str(), &database_, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     if (error != SQLITE_OK) {
-      const std::string why = ::sqlite3_errmsg(database_);
-      ::sqlite3_close(database_);
-      refuse(name_, why);
+      const std::unique_ptr<sqlite3, decltype(&::sqlite3_close)> closed(database_,
+                                                                        &::sqlite3_close);
+      refuse(name_, database_);
     }
     // The file may be from anybody.
     ::sqlite3_db_config(database_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
@@ -60,7 +73,7 @@ class Database {
 
   sqlite3* get() const { return database_; }
   const std::string& name() const { return name_; }
-  [[noreturn]] void fail() const { refuse(name_, ::sqlite3_errmsg(database_)); }
+  [[noreturn]] void fail() const { refuse(name_, database_); }
 
  private:
   std::string name_;
@@ -156,14 +169,15 @@ class SqliteFile : public Source {
 
   void read_topics() {
     const bool has_hash = has_columns("topics", {"type_description_hash"});
-    std::map<std::string, std::pair<std::string, std::string>> definitions;
+    std::map<std::string, messages::Schema> schemas;
     if (has_columns("message_definitions",
                     {"topic_type", "encoding", "encoded_message_definition"})) {
       Query query(
           *database_,
           "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions");
       while (query.next()) {
-        definitions[query.text(0)] = {query.text(1), query.text(2)};
+        schemas[query.text(0)] = {std::string(messages::kRos2), query.text(0), query.text(1),
+                                  query.text(2)};
       }
     }
     Query query(*database_, fmt::format("SELECT id, name, type, serialization_format{} FROM topics",
@@ -174,8 +188,7 @@ class SqliteFile : public Source {
       connection.type = without_msg(query.text(2));
       connection.encoding = query.text(3);
       connection.version = has_hash ? query.text(4) : "";
-      const auto& [encoding, text] = definitions[query.text(2)];
-      connection.schema = {connection.encoding, query.text(2), encoding, text};
+      connection.schema = schemas[query.text(2)];
       set_dialect(connection);
     }
   }

@@ -23,7 +23,7 @@ struct Connection {
   std::optional<messages::Dialect> dialect{};  ///< of the encoding; none: sensors cannot take it
   std::string version{};      ///< md5 sum of ROS 1, type hash of ROS 2; empty if it is not known
   std::string node{};         ///< of a run; empty in any other recording
-  messages::Schema schema{};  ///< as the file has it
+  messages::Schema schema{};  ///< as the file has it; empty if files of this kind have none
 };
 
 struct Message {
