@@ -199,6 +199,9 @@ constexpr Explanation kExplanations[] = {
     {Code::ros_setting, "A setting of ROS is not valid",
      "ROS_MASTER_URI, ROS_DOMAIN_ID and other variables of the environment, arguments behind "
      "--ros-args, or the configuration of Cyclone DDS. docs/ros2.md has those that are read."},
+    {Code::image_encoding, "Images have an encoding or a format that cannot be read",
+     "docs/images.md lists those that can be read. Change the setting of the camera driver, or "
+     "convert the images in a node between both, for example with 'image_transport republish'."},
 
     {Code::layout, "The processes of a layout do not fit the experiment",
      "Each node is in one process, and a simulator has a process of its own. Without ROS, and with "

@@ -223,10 +223,10 @@ TEST(ImageConversion, depths_without_a_reading_are_left_out) {
       converted({.resize = Size{2, 1}, .range = std::pair(0.0, 4000.0)}, millimetres.view()),
       ElementsAre(-0.5, IsNan()));
   EXPECT_EQ(error_of([&] { converted({}, metres.view()); }),
-            "C: pictures 32FC1 have no range of their own; write the distances that become -1 and "
-            "1, as in  range: [0.3, 5] [SL0504]");
+            "C: images with the encoding 32FC1 have no range of their own; write the values that "
+            "become -1 and 1, as in  range: [0.3, 5] [SL0504]");
   EXPECT_THAT(error_of([&] { converted({}, millimetres.view()); }),
-              Fault("C: pictures 16UC1 ... -1 and 1, as in  range: [300, 5000] ... [SL0504]"));
+              Fault("C: images ... 16UC1 ... -1 and 1, as in  range: [300, 5000] ... [SL0504]"));
 }
 
 TEST(ImageConversion, rows_may_have_gaps) {
@@ -250,20 +250,25 @@ TEST(ImageConversion, what_is_wrong_is_said) {
     return error_of([&] { converted({}, {width, height, step, encoding, false, bytes}); });
   };
   EXPECT_EQ(text(2, 2, 2, "mono", 4),
-            "T: its encoding 'mono' is not known; let the driver send one of mono8, 8UC1, mono16, "
-            "16UC1, 32FC1, rgb8, bgr8, rgba8, bgra8, yuv422, uyvy, yuv422_yuy2, yuyv, bayer_rggb8, "
-            "bayer_bggr8, bayer_gbrg8, bayer_grbg8 [SL0509]");
+            "C: images with the encoding 'mono' cannot be read; publish them as mono8, mono16, "
+            "rgb8, bgr8, rgba8, bgra8, rgb16, bgr16, rgba16, bgra16, yuv422, uyvy, yuv422_yuy2, "
+            "yuyv, nv12, nv21, nv24, bayer_rggb8, bayer_bggr8, bayer_gbrg8, bayer_grbg8, "
+            "bayer_rggb16, bayer_bggr16, bayer_gbrg16, bayer_grbg16, or as 8U, 8S, 16U, 16S, 32S, "
+            "32F, 64F with C1, C3 or C4 [SL0511]");
   EXPECT_EQ(text(0, 2, 2, "mono8", 4),
             "T: it has 0 x 2 pixels; 1 to 33554432 in all can be used [SL0509]");
   EXPECT_THAT(text(4'000'000'000U, 4'000'000'000U, 2, "mono8", 4),
               Fault("T: it has 4000000000 x 4000000000 pixels; 1 to 33554432 ... [SL0509]"));
   EXPECT_EQ(text(2, 2, 5, "rgb8", 40),
-            "T: its step of 5 bytes is less than a row of 2 pixels rgb8, 6 [SL0509]");
-  EXPECT_EQ(text(2, 2, 2, "mono8", 3), "T: it has 3 bytes, less than 2 rows of 2 [SL0509]");
+            "T: its step is 5 bytes, but a row of 2 pixels with the encoding rgb8 has 6; correct "
+            "'step' [SL0509]");
+  EXPECT_EQ(text(2, 2, 2, "mono8", 3),
+            "T: it has 3 bytes; 2 x 2 pixels with the encoding mono8 and a step of 2 have 4 "
+            "[SL0509]");
   EXPECT_EQ(text(3, 1, 6, "yuyv", 6),
-            "T: a picture yuyv has no 3 x 1 pixels; its pixels come in pairs [SL0509]");
+            "T: 3 x 1 pixels cannot be encoded as yuyv; its pixels come in pairs [SL0509]");
   EXPECT_THAT(text(2, 1, 2, "bayer_rggb8", 2),
-              Fault("T: a picture bayer_rggb8 has no 2 x 1 pixels ... 2 x 2 ... [SL0509]"));
+              Fault("T: 2 x 1 pixels ... bayer_rggb8 ... 2 x 2 [SL0509]"));
   EXPECT_EQ(text(5000, 1, 5000, "mono8", 5000),
             "C: a picture of 5000 x 1 pixels is too large to take every one; write  resize: [40, "
             "30] [SL0203]");

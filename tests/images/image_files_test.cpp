@@ -81,17 +81,21 @@ std::vector<std::byte> png(const std::vector<std::uint8_t>& bytes, int colour_ty
 }
 
 std::vector<double> converted_file(const ImageSettings& settings,
-                                   const std::vector<std::byte>& file) {
+                                   const std::vector<std::byte>& file,
+                                   std::string_view format = {}) {
   ImageConversion conversion(settings);
-  const auto values = conversion.convert_compressed(file);
+  const auto values = conversion.convert_compressed(file, format);
   return {values.begin(), values.end()};
 }
 
 /// The grey and each colour of a file are those of the raw picture.
-void expect_same(const std::vector<std::byte>& file, const Picture& raw, double tolerance) {
+void expect_same(const std::vector<std::byte>& file, const Picture& raw, double tolerance,
+                 std::string_view format = {},
+                 std::optional<std::pair<double, double>> range = {}) {
   for (const Channel channel : {Channel::grey, Channel::red, Channel::rgb}) {
-    const ImageSettings settings{.resize = Size{6, 3}, .channel = channel};
-    expect_near(converted_file(settings, file), test::converted(settings, raw.view()), tolerance);
+    const ImageSettings settings{.resize = Size{6, 3}, .channel = channel, .range = range};
+    expect_near(converted_file(settings, file, format), test::converted(settings, raw.view()),
+                tolerance);
   }
 }
 
@@ -118,15 +122,33 @@ TEST(ImageFiles, png) {
 }
 
 TEST(ImageFiles, png_of_sixteen_bits) {
-  Picture raw = picture_of("mono16", smooth(2));
-  raw.big_endian = true;  // as PNG has them
-  expect_same(png(smooth(2), PNG_COLOR_TYPE_GRAY, 16), raw, 1e-9);
-  // Of colours the upper byte is kept, to the nearest.
-  std::vector<std::uint8_t> wide;
-  for (const std::uint8_t byte : smooth(3)) {
-    wide.insert(wide.end(), {byte, byte});
+  Picture raw = picture_of("16UC1", smooth(2));
+  raw.big_endian = true;  // as in PNG
+  const auto grey = png(smooth(2), PNG_COLOR_TYPE_GRAY, 16);
+  const std::pair range(8'000.0, 30'000.0);
+  for (const char* format : {"16UC1; png compressed ", "16UC1; png compressed", "png", ""}) {
+    SCOPED_TRACE(format);
+    expect_same(grey, raw, 1e-9, format, range);
+    EXPECT_THAT(error_of([&] { converted_file({}, grey, format); }),
+                Fault("C: images ... 16UC1 ... range: [300, 5000] [SL0504]"));
   }
-  expect_same(png(wide, PNG_COLOR_TYPE_RGB, 16), picture_of("rgb8", smooth(3)), 1e-12);
+  raw.encoding = "mono16";
+  expect_same(grey, raw, 1e-9, "mono16; png compressed ");
+  raw.encoding = "bayer_grbg16";
+  expect_same(grey, raw, 1e-9, "bayer_grbg16; png compressed ");
+  Picture colours = picture_of("rgb16", smooth(6));
+  colours.big_endian = true;
+  expect_same(png(smooth(6), PNG_COLOR_TYPE_RGB, 16), colours, 1e-9, "bgr16; png compressed bgr16");
+}
+
+TEST(ImageFiles, grey_files_of_a_bayer_encoding) {
+  const Picture raw = picture_of("bayer_gbrg8", smooth(1));
+  expect_same(png(smooth(1), PNG_COLOR_TYPE_GRAY, 8), raw, 1e-12, "bayer_gbrg8; png compressed ");
+  expect_same(jpeg(smooth(1), JCS_GRAYSCALE, JCS_GRAYSCALE), raw, 2 * kThreeSteps,
+              "bayer_gbrg8; jpeg compressed mono8");
+  // Converted to colours before the compression.
+  expect_same(jpeg(smooth(3), JCS_RGB, JCS_YCbCr), picture_of("rgb8", smooth(3)), kThreeSteps,
+              "bayer_gbrg8; jpeg compressed bgr8");
 }
 
 TEST(ImageFiles, png_with_a_palette_or_single_bits) {
@@ -154,7 +176,8 @@ TEST(ImageFiles, cut_off_anywhere_they_are_refused) {
       const std::vector<std::byte> part(file.begin(),
                                         file.begin() + static_cast<std::ptrdiff_t>(size));
       if (!only_marker) {
-        ASSERT_THAT(error_of([&] { conversion.convert_compressed(part); }), HasSubstr("T: its "))
+        ASSERT_THAT(error_of([&] { conversion.convert_compressed(part); }),
+                    HasSubstr(size == 0 ? "T: it has no data" : "T: its "))
             << size << " of " << file.size() << " bytes";
       }
     }
@@ -206,11 +229,50 @@ TEST(ImageFiles, what_claims_to_be_huge_is_refused) {
 }
 
 TEST(ImageFiles, of_another_kind_are_refused) {
-  EXPECT_EQ(error_of([] { converted_file({}, std::vector<std::byte>(9)); }),
-            "T: its 9 bytes begin neither as a JPEG nor as a PNG does [SL0509]");
-  EXPECT_THAT(
-      error_of([] { converted_file({}, jpeg(smooth(4), JCS_CMYK, JCS_CMYK)); }),
-      Fault("T: its JPEG is not in grey, YCbCr or RGB; let the driver send one of these [SL0509]"));
+  EXPECT_EQ(error_of([] { converted_file({}, std::vector<std::byte>(9), "jpeg"); }),
+            "T: its 9 bytes begin neither as a JPEG nor as a PNG; its format is 'jpeg' [SL0509]");
+  EXPECT_EQ(
+      error_of([] { converted_file({}, {}, "16UC1; jpeg compressed mono8"); }),
+      "T: it has no data, its format is '16UC1; jpeg compressed mono8'; image_transport sends "
+      "this if it cannot compress the image, such as distances as JPEG [SL0509]");
+  EXPECT_EQ(error_of([] { converted_file({}, jpeg(smooth(4), JCS_CMYK, JCS_CMYK)); }),
+            "C: JPEG files with CMYK colours cannot be read; publish JPEG with grey, YCbCr or RGB "
+            "[SL0511]");
+  EXPECT_THAT(error_of([] { converted_file({}, jpeg(smooth(4), JCS_CMYK, JCS_YCCK)); }),
+              Fault("C: JPEG ... CMYK ... [SL0511]"));
+}
+
+TEST(ImageFiles, formats_that_cannot_be_read_are_named) {
+  const auto error = [](std::string_view format, std::string_view data) {
+    return error_of(
+        [&] { converted_file({}, test::bytes_of(std::vector(data.begin(), data.end())), format); });
+  };
+  EXPECT_EQ(error("webp", "RIFF....WEBPVP8 "),
+            "C: compressed images with the format 'webp' and data in WebP cannot be read; publish "
+            "JPEG, PNG or compressedDepth, or the images without compression [SL0511]");
+  const std::pair<const char*, std::string> files[] = {{"TIFF", std::string("II*\0....", 8)},
+                                                       {"TIFF", std::string("MM\0*....", 8)},
+                                                       {"BMP", "BM......"},
+                                                       {"GIF", "GIF89a.."},
+                                                       {"JPEG 2000", "....jP  "},
+                                                       {"AVIF", "....ftypavif"},
+                                                       {"H.264", std::string("\0\0\0\1g...", 8)},
+                                                       {"H.264", std::string("\0\0\1g....", 8)},
+                                                       {"Ogg", "OggS...."}};
+  for (const auto& [name, data] : files) {
+    EXPECT_THAT(error("rgb8; jpeg compressed bgr8", data),
+                Fault(("C: ... jpeg ... " + std::string(name) + " ... [SL0511]").c_str()));
+  }
+  for (const char* format :
+       {"h264", "rgb8; theora", "rgb8; tiff compressed ", "rgb8", "16UC1; zstd"}) {
+    EXPECT_THAT(error(format, "????????"),
+                Fault((std::string("C: ... '") + format + "' ... [SL0511]").c_str()));
+  }
+  const auto grey = jpeg(smooth(1), JCS_GRAYSCALE, JCS_GRAYSCALE);
+  EXPECT_EQ(
+      error_of([&] { converted_file({}, grey, "16UC1; jpeg compressed mono8"); }),
+      "C: compressed images with the format '16UC1; jpeg compressed mono8' contain mono8, not "
+      "16UC1; publish distances as 16UC1 in PNG, or as compressedDepth [SL0511]");
 }
 
 }  // namespace

@@ -197,7 +197,7 @@ TEST_P(SensorRules, damaged_pictures_change_nothing) {
   fields[4].numbers = {5};
   EXPECT_FALSE(c.convert(message("sensor_msgs/Image", fields)));
   EXPECT_THAT(c.take_warning(),
-              Fault("a sensor_msgs/Image ... 5 ... 2 pixels rgb8, 6 ... [SL0509]"));
+              Fault("a sensor_msgs/Image ... 5 bytes ... 2 pixels ... rgb8 ... 6 ... [SL0509]"));
   for (std::size_t size = 0; size < good.size(); ++size) {
     ASSERT_FALSE(c.convert(std::span(good).first(size))) << size;
   }
@@ -207,6 +207,35 @@ TEST_P(SensorRules, damaged_pictures_change_nothing) {
   EXPECT_FALSE(file.convert(
       message("sensor_msgs/CompressedImage", {{"format", {}, "jpeg"}, {"data", {255, 216, 255}}})));
   EXPECT_EQ(file.counts().malformed, 1u);
+}
+
+TEST_P(SensorRules, the_format_of_a_compressed_image_counts) {
+  SensorRule rule;
+  rule.image.emplace();
+  auto c = conversion("sensor_msgs/CompressedImage", rule, 1);
+  const auto image = [&](const char* format) {
+    return message("sensor_msgs/CompressedImage", {{"format", {}, format}, {"data", {82, 73}}});
+  };
+  EXPECT_FALSE(c.convert(image("bgr8; jpeg compressed bgr8")));
+  EXPECT_THAT(c.take_warning(), Fault("... 2 bytes ... 'bgr8; jpeg compressed bgr8' ... [SL0509]"));
+  try {
+    c.convert(image("h264"));
+    FAIL();
+  } catch (const spikeloop::ConfigurationError& error) {
+    EXPECT_THAT(error.what(), Fault("... 'h264' ... [SL0511]"));
+  }
+}
+
+TEST_P(SensorRules, an_unknown_encoding_ends_the_run) {
+  auto c = conversion("sensor_msgs/Image", {}, 4);
+  auto fields = picture();
+  fields[3].text = "8UC2";
+  try {
+    c.convert(message("sensor_msgs/Image", fields));
+    FAIL();
+  } catch (const spikeloop::ConfigurationError& error) {
+    EXPECT_THAT(error.what(), Fault("images ... '8UC2' ... [SL0511]"));
+  }
 }
 
 TEST_P(SensorRules, pixels_without_a_reading_keep_their_channel) {

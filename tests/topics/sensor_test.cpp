@@ -147,9 +147,8 @@ TEST_P(SensorTest, strict_ends_the_run) {
     robot_.publish_array("/in", {1, 2, 3});
     return error_of(source, data) != "no error";
   }));
-  EXPECT_THAT(
-      error_of(source, data),
-      Fault("a std_msgs/Float64MultiArray brought 3 values ... 2 channels ... [3] ... [SL0505]"));
+  EXPECT_THAT(error_of(source, data), Fault("topic '/in': a std_msgs/Float64MultiArray brought 3 "
+                                            "... 2 channels ... [3] ... [SL0505]"));
   EXPECT_GT(count(source, "messages"), 0U);  // nobody is to say that none has come
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <type_traits>
 
 #include "row_reader.hpp"
 
@@ -17,7 +18,7 @@ std::vector<Mixture> mixtures(const Encoding& encoding, Channel channel) {
   constexpr float kGrey[] = {0.299F, 0.587F, 0.114F};  // BT.601
   const auto only = [&](std::size_t colour) {
     Mixture mixture(encoding.components, 0.0F);
-    // Grey pictures have their light in all colours. Rows of pairs and cells are read as rgb.
+    // In a grey image every colour has the grey value. Rows of YUV and Bayer are read as rgb.
     const bool reordered = encoding.layout == Layout::plain && encoding.components > 1;
     const std::size_t place = encoding.components == 1 ? 0
                               : reordered              ? encoding.rgb[colour]
@@ -50,26 +51,36 @@ std::vector<Mixture> mixtures(const Encoding& encoding, Channel channel) {
   return {grey};
 }
 
+/// Large numbers are limited to those of a float.
+float to_float(double value) {
+  constexpr double kMost = std::numeric_limits<float>::max();
+  return static_cast<float>(std::clamp(value, -kMost, kMost));
+}
+template <typename T>
+float to_float(T value) {
+  return static_cast<float>(value);
+}
+
 template <typename T>
 void add_row(const T* row, std::size_t count, float weight, float* sum) {
   if (weight == 1.0F) {
     for (std::size_t i = 0; i < count; ++i) {
-      sum[i] += static_cast<float>(row[i]);
+      sum[i] += to_float(row[i]);
     }
     return;
   }
   for (std::size_t i = 0; i < count; ++i) {
-    sum[i] += weight * static_cast<float>(row[i]);
+    sum[i] += weight * to_float(row[i]);
   }
 }
 
-/// The same for depths.
+/// Adds depths. NaN, and 0 of 16UC1, are not readings.
 template <typename T>
 void add_readings(std::span<const T> row, float weight, float least, float most, float* sum,
                   float* weights) {
   for (std::size_t i = 0; i < row.size(); ++i) {
-    const float value = static_cast<float>(row[i]);
-    const bool reading = sizeof(T) == 2 ? value != 0.0F : !std::isnan(value);
+    const float value = to_float(row[i]);
+    const bool reading = std::is_same_v<T, std::uint16_t> ? value != 0.0F : !std::isnan(value);
     const float part = reading ? weight : 0.0F;
     sum[i] += reading ? part * std::clamp(value, least, most) : 0.0F;
     weights[i] += part;
@@ -131,15 +142,30 @@ void AreaAverage::average(const ImageView& image, const Encoding& encoding, cons
                           Size size, Channel channel, double least, double most,
                           std::vector<double>& values) {
   prepare(crop, size);
-  const std::vector<Mixture> planes = mixtures(encoding, channel);
+  Encoding read = encoding;
+  if (encoding.is_yuv() && channel == Channel::grey) {
+    read.components = 1;  // The luma is the grey.
+  }
+  const std::vector<Mixture> planes = mixtures(read, channel);
   values.resize(planes.size() * size.width * size.height);
+  const auto average = [&]<typename T>(T /*sample*/) {
+    average_rows<T>(image, read, crop, planes, least, most, values);
+  };
   switch (encoding.sample) {
     case Sample::u8:
-      return average_rows<std::uint8_t>(image, encoding, crop, planes, least, most, values);
+      return average(std::uint8_t{});
+    case Sample::s8:
+      return average(std::int8_t{});
     case Sample::u16:
-      return average_rows<std::uint16_t>(image, encoding, crop, planes, least, most, values);
+      return average(std::uint16_t{});
+    case Sample::s16:
+      return average(std::int16_t{});
+    case Sample::s32:
+      return average(std::int32_t{});
     case Sample::f32:
-      return average_rows<float>(image, encoding, crop, planes, least, most, values);
+      return average(float{});
+    case Sample::f64:
+      return average(double{});
   }
 }
 

@@ -1,39 +1,55 @@
-// What the names of sensor_msgs/Image's encodings mean.
+// Encodings of sensor_msgs/Image.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "spikeloop/images/image_view.hpp"
 
 namespace spikeloop::images {
 
-/// How pixels lie in a row.
-enum class Layout : std::uint8_t { plain, uyvy, yuyv, bayer };
-enum class Sample : std::uint8_t { u8, u16, f32 };
+/// Arrangement of the samples. uyvy and yuyv: two pixels share their chroma. nv12, nv21 and nv24: a
+/// plane of luma, followed by one of chroma (V4L2's formats of these names).
+enum class Layout : std::uint8_t { plain, bayer, uyvy, yuyv, nv12, nv21, nv24 };
+enum class Sample : std::uint8_t { u8, s8, u16, s16, s32, f32, f64 };
 
 struct Encoding {
   std::string_view name;
   Layout layout = Layout::plain;
   Sample sample = Sample::u8;
-  std::uint8_t components = 1;  ///< samples a pixel of a plain row
-  /// Places of red, green and blue among the components; of a Bayer cell's colours, see Rows.
+  std::uint8_t components = 1;  ///< samples per pixel of a row that RowReader has read
+  /// Indices of red, green and blue among the components; of a Bayer encoding, their positions in
+  /// the cell of 2 x 2 pixels (0 to 3, row by row; of green, one of two).
   std::array<std::uint8_t, 3> rgb{0, 0, 0};
-  bool depth = false;  ///< distances: some pixels have no reading
+  /// Measured values, such as distances: each is limited to the range, and some pixels have no
+  /// reading.
+  bool depth = false;
 
+  bool is_yuv() const { return layout != Layout::plain && layout != Layout::bayer; }
+  std::size_t sample_bytes() const;
+  /// Bytes per pixel in a row; of nv12, nv21 and nv24, in a row of luma.
   std::size_t pixel_bytes() const;
-  bool has_colours() const { return components > 1 || layout != Layout::plain; }
-  /// Of whole-number samples; 0: none.
+  /// Value of white; 0 if the encoding does not define it.
   double greatest() const;
 };
 
-/// @throws TransportError that names those that are known.
-const Encoding& encoding_named(std::string_view name);
+/// nullopt if the encoding is unknown. `name` must outlive the result.
+std::optional<Encoding> find_encoding(std::string_view name);
 
-/// Holds the picture against its encoding and its bytes.
-/// @throws TransportError that says what does not fit.
-const Encoding& check_image(const ImageView& image);
+/// Position of the planes of nv12, nv21 and nv24, in bytes.
+struct Planes {
+  std::uint64_t luma_stride = 0;
+  std::uint64_t chroma = 0;  ///< its first byte
+  std::uint64_t chroma_stride = 0;
+  std::uint64_t end = 0;  ///< behind the last byte that is used
+};
+Planes planes_of(const ImageView& image, Layout layout);
+
+/// Compares the image with its encoding and the number of its bytes.
+/// @throws ConfigurationError for an unknown encoding, TransportError for a contradiction.
+Encoding check_image(const ImageView& image);
 
 }  // namespace spikeloop::images

@@ -18,10 +18,12 @@ namespace {
 /// Light below that part of the range is all alike when the intensity is logarithmic.
 constexpr double kDark = 0.01;
 
-bool begins_with(std::span<const std::byte> file, std::initializer_list<int> magic) {
-  return file.size() >= magic.size() &&
-         std::equal(magic.begin(), magic.end(), file.begin(),
-                    [](int a, std::byte b) { return std::byte(a) == b; });
+/// An example for `range`, in the unit that such images usually have.
+const char* example_range(const Encoding& encoding) {
+  if (encoding.sample != Sample::f32 && encoding.sample != Sample::f64) {
+    return "[300, 5000]";
+  }
+  return encoding.components == 1 ? "[0.3, 5]" : "[0, 1]";
 }
 
 }  // namespace
@@ -34,12 +36,12 @@ struct ImageConversion::Impl {
     if (settings.range) {
       return *settings.range;
     }
-    if (encoding.depth) {
+    if (encoding.greatest() == 0) {
       throw ConfigurationError(
           with_code(Code::field_path,
-                    "pictures {} have no range of their own; write the distances that become -1 "
-                    "and 1, as in  range: {}",
-                    encoding.name, encoding.sample == Sample::f32 ? "[0.3, 5]" : "[300, 5000]"));
+                    "images with the encoding {} have no range of their own; write the values that "
+                    "become -1 and 1, as in  range: {}",
+                    encoding.name, example_range(encoding)));
     }
     return {0, encoding.greatest()};
   }
@@ -119,7 +121,7 @@ struct ImageConversion::Impl {
   static double half(double value) { return limited(value < 0 ? -1.0 : 2 * value - 1); }
 
   std::span<const double> convert(const ImageView& image) {
-    const Encoding& encoding = check_image(image);
+    const Encoding encoding = check_image(image);
     const auto [least, most] = range_of(encoding);
     const Crop crop = crop_of(image);
     size = size_of(crop);
@@ -148,17 +150,10 @@ std::span<const double> ImageConversion::convert(const ImageView& image) {
   return impl_->convert(image);
 }
 
-std::span<const double> ImageConversion::convert_compressed(std::span<const std::byte> file) {
-  if (begins_with(file, {0xff, 0xd8, 0xff})) {
-    const bool colour = impl_->settings.channel != Channel::grey;
-    return impl_->convert(decode_jpeg(file, colour, impl_->decoded));
-  }
-  if (begins_with(file, {0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a})) {
-    return impl_->convert(decode_png(file, impl_->decoded));
-  }
-  throw TransportError(with_code(Code::damaged_message,
-                                 "its {} bytes begin neither as a JPEG nor as a PNG does",
-                                 file.size()));
+std::span<const double> ImageConversion::convert_compressed(std::span<const std::byte> data,
+                                                            std::string_view format) {
+  const bool colour = impl_->settings.channel != Channel::grey;
+  return impl_->convert(decode_compressed(data, format, colour, impl_->decoded));
 }
 
 const ImageSettings& ImageConversion::settings() const {

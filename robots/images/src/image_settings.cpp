@@ -72,8 +72,8 @@ std::vector<ParameterDescription> image_parameters() {
       {.name = "range",
        .type = ParameterType::list,
        .default_value = "",
-       .text = "Values that are mapped to -1 and 1, e.g. [0, 255]; required for 32FC1 (metres) and "
-               "16UC1 (millimetres)",
+       .text = "Values that are mapped to -1 and 1, e.g. [0, 255]; required for 32FC1 (metres), "
+               "16UC1 (millimetres) and types with a sign",
        .inner = {{.name = "end"}},
        .count = 2,
        .example = "[0, 255]"},

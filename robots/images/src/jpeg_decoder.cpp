@@ -108,9 +108,11 @@ ImageView decode_jpeg(std::span<const std::byte> file, bool colour,
   }
   const bool grey = info.jpeg_color_space == JCS_GRAYSCALE;
   if (!grey && info.jpeg_color_space != JCS_YCbCr && info.jpeg_color_space != JCS_RGB) {
-    throw TransportError(
-        with_code(Code::damaged_message,
-                  "its JPEG is not in grey, YCbCr or RGB; let the driver send one of these"));
+    const bool cmyk = info.jpeg_color_space == JCS_CMYK || info.jpeg_color_space == JCS_YCCK;
+    throw ConfigurationError(
+        with_code(Code::image_encoding,
+                  "JPEG files with {} colours cannot be read; publish JPEG with grey, YCbCr or RGB",
+                  cmyk ? "CMYK" : "unknown"));
   }
   // The grey of YCbCr is its Y. libjpeg makes no grey of RGB.
   const bool to_grey = grey || (!colour && info.jpeg_color_space == JCS_YCbCr);

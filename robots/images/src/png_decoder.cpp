@@ -45,7 +45,7 @@ struct PngDecoder {
     self.left = self.left.subspan(count);
   }
 
-  /// Makes grey of 8 or 16 bits, or RGB of 8, of whatever it is.
+  /// Every PNG becomes grey or RGB of 8 or 16 bits.
   bool read_header() {
     if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
       return false;
@@ -57,9 +57,6 @@ struct PngDecoder {
     png_read_info(png, info);
     png_set_expand(png);
     png_set_strip_alpha(png);
-    if ((png_get_color_type(png, info) & PNG_COLOR_MASK_COLOR) != 0) {
-      png_set_scale_16(png);
-    }
     png_set_interlace_handling(png);
     png_read_update_info(png, info);
     return true;
@@ -101,9 +98,9 @@ ImageView decode_png(std::span<const std::byte> file, std::vector<std::byte>& pi
   if (!decoder.read_rows()) {
     decoder.fail();
   }
-  const char* encoding = png_get_channels(decoder.png, decoder.info) == 3     ? "rgb8"
-                         : png_get_bit_depth(decoder.png, decoder.info) == 16 ? "mono16"
-                                                                              : "mono8";
+  const bool colour = png_get_channels(decoder.png, decoder.info) == 3;
+  const bool wide = png_get_bit_depth(decoder.png, decoder.info) == 16;
+  const char* const encoding = wide ? (colour ? "rgb16" : "16UC1") : (colour ? "rgb8" : "mono8");
   return {width, height, static_cast<std::uint32_t>(step), encoding, true, pixels};
 }
 

@@ -18,12 +18,13 @@ images::ImageView read_image(Dialect dialect, std::span<const std::byte> message
   });
 }
 
-std::span<const std::byte> read_compressed_image(Dialect dialect,
-                                                 std::span<const std::byte> message) {
+CompressedImage read_compressed_image(Dialect dialect, std::span<const std::byte> message) {
   return with_reader(dialect, message, [&](auto& reader) {
     skip_header(reader, dialect);
-    reader.text();  // what the file is; its first bytes say it, too
-    return read_bytes(reader);
+    CompressedImage image;
+    image.format = reader.text();
+    image.data = read_bytes(reader);
+    return image;
   });
 }
 

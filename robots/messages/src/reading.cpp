@@ -156,9 +156,7 @@ class PictureReading : public Reading {
   std::optional<std::size_t> width() const override { return conversion_.settings().values(); }
 
   bool read(std::span<const std::byte> message, ReadValues& values) override {
-    const auto made = compressed_
-                          ? conversion_.convert_compressed(read_compressed_image(dialect_, message))
-                          : conversion_.convert(read_image(dialect_, message));
+    const auto made = convert(message);
     values.numbers.assign(made.begin(), made.end());
     for (const double value : made) {
       values.held.push_back(std::isnan(value) ? Held::no_reading : Held::no);
@@ -167,6 +165,14 @@ class PictureReading : public Reading {
   }
 
  private:
+  std::span<const double> convert(std::span<const std::byte> message) {
+    if (!compressed_) {
+      return conversion_.convert(read_image(dialect_, message));
+    }
+    const CompressedImage image = read_compressed_image(dialect_, message);
+    return conversion_.convert_compressed(image.data, image.format);
+  }
+
   Dialect dialect_;
   bool compressed_;
   images::ImageConversion conversion_;

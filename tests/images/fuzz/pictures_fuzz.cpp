@@ -20,9 +20,21 @@ using namespace spikeloop::images;
 namespace {
 
 constexpr std::string_view kEncodings[] = {
-    "mono8", "8UC1",        "mono16",      "16UC1",       "32FC1",       "rgb8",
-    "bgr8",  "rgba8",       "bgra8",       "yuv422",      "uyvy",        "yuv422_yuy2",
-    "yuyv",  "bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8", "jpeg"};
+    "mono8",        "8UC1",         "mono16",      "16UC1",       "32FC1",       "rgb8",
+    "bgr8",         "rgba8",        "bgra8",       "yuv422",      "uyvy",        "yuv422_yuy2",
+    "yuyv",         "bayer_rggb8",  "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8", "jpeg",
+    "bayer_rggb16", "bayer_gbrg16", "rgb16",       "bgra16",      "nv12",        "nv21",
+    "nv24",         "8SC1",         "16SC3",       "32SC1",       "64FC1",       "32FC4"};
+
+/// Of files, by their first byte: what CompressedImage.format says.
+constexpr std::string_view kFormats[] = {"",
+                                         "bgr8; jpeg compressed bgr8",
+                                         "16UC1; png compressed ",
+                                         "bayer_grbg16; png compressed ",
+                                         "16UC1; compressedDepth png",
+                                         "32FC1; compressedDepth",
+                                         "16UC1; compressedDepth rvl",
+                                         "32FC1; compressedDepth rvl"};
 
 void need(bool condition) {
   if (!condition) {
@@ -68,7 +80,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ImageConversion conversion(settings_of(data[0] % 128));
   try {
     if (is_file) {
-      check(conversion, conversion.convert_compressed(bytes));
+      check(conversion,
+            conversion.convert_compressed(bytes, kFormats[data[0] % std::size(kFormats)]));
       return 0;
     }
     const ImageView image{.width = data[1],

@@ -59,6 +59,7 @@ enum class Code : int {
   wrong_message = 508,
   damaged_message = 509,
   ros_setting = 510,
+  image_encoding = 511,
   // Processes
   layout = 601,
   music_job = 602,

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string_view>
 
 #include "spikeloop/images/image_settings.hpp"
 #include "spikeloop/images/image_view.hpp"
@@ -14,12 +15,8 @@ namespace spikeloop::images {
 /// Pictures with more pixels are refused: a few bytes of PNG can claim to be gigabytes.
 inline constexpr std::uint64_t kMostPixels = 1ULL << 25;
 
-/// Takes the part, averages areas of it, scales, filters; docs/images.md has the formulas. Keeps
-/// its buffers, so that a picture like the one before costs no allocation.
-///
-/// Raw encodings: mono8, 8UC1, mono16, 16UC1, 32FC1, rgb8, bgr8, rgba8, bgra8, yuv422 (uyvy),
-/// yuv422_yuy2 (yuyv), bayer_rggb8, bayer_bggr8, bayer_gbrg8, bayer_grbg8. Compressed: JPEG of grey
-/// and YCbCr, PNG of all kinds, known by their first bytes.
+/// Crops, averages areas, scales and filters; docs/images.md has the formulas and the encodings.
+/// Keeps its buffers, so that an image like the one before costs no allocation.
 class ImageConversion {
  public:
   explicit ImageConversion(const ImageSettings& settings);
@@ -27,13 +24,15 @@ class ImageConversion {
   ImageConversion(ImageConversion&&) noexcept;
   ImageConversion& operator=(ImageConversion&&) noexcept;
 
-  /// The values, plane by plane, valid until the next call. NaN: all pixels there are without a
-  /// reading (NaN of 32FC1, 0 of 16UC1).
-  /// @throws TransportError: the picture is damaged, contradicts itself, or is of a kind that is
-  /// not known. ConfigurationError: the crop does not lie in it; the encoding needs a range.
+  /// The values, plane by plane, valid until the next call. NaN: no pixel there has a reading (NaN
+  /// of 32FC1 and 64FC1, 0 of 16UC1).
+  /// @throws TransportError if the image is damaged or contradicts itself. ConfigurationError if
+  /// the crop does not lie in it, the encoding needs a range, or it cannot be read.
   std::span<const double> convert(const ImageView& image);
-  /// The same for the bytes of a JPEG or PNG file.
-  std::span<const double> convert_compressed(std::span<const std::byte> file);
+  /// The same for the data of a CompressedImage: JPEG, PNG, or the compressedDepth of
+  /// image_transport. @param format the message's field `format`
+  std::span<const double> convert_compressed(std::span<const std::byte> data,
+                                             std::string_view format = {});
 
   const ImageSettings& settings() const;
   /// Of the newest result.
