@@ -48,13 +48,15 @@ void read_mapping_file(const music::Process& process, const Parameters& keys,
       located_at(where, [&] { return read_sensor_mapping(file, process.file_directory()); });
   const Parameters read = resolve(sensing::sensor_parameters(), written, {});
   for (const auto& [name, value] : read.all()) {
-    sensor.parameters.set(name, value, read.given(name), read.where(name));
+    if (read.given(name)) {
+      sensor.parameters.set(name, value, true, read.where(name));
+    }
   }
 }
 
 /// Where what is taken was written.
 Location rule_place(const music::Process& process, const Parameters& parameters) {
-  for (const char* key : {"fields", kMapping}) {
+  for (const char* key : {"fields", kMapping, "beams", "angles"}) {
     if (parameters.given(key)) {
       return parameters.where(key);
     }

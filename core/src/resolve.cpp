@@ -196,6 +196,11 @@ Parameters::Value parse_list(const ParameterDescription& list, const WrittenValu
   auto* const numbers = std::get_if<std::vector<double>>(&result);
   for (std::size_t i = 0; i < entries.size(); ++i) {
     within(entries[i].value.where, fmt::format("entry {}", i + 1), [&] {
+      if (written.is_list() && lacks_unit(each, entries[i].value.text)) {
+        throw ConfigurationError(with_code(Code::wrong_unit,
+                                           "'{}' has no unit; write for example  {}",
+                                           entries[i].value.text, example_of(list)));
+      }
       Parameters::Entry entry = parse_entry(each, entries[i], load_weights);
       if (numbers != nullptr) {
         numbers->push_back(entry.values.number(each.name));

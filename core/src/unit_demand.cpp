@@ -33,13 +33,17 @@ std::string example_of(const ParameterDescription& parameter, const std::string&
 
 }  // namespace
 
-void demand_unit(const std::string& what, const ParameterDescription& parameter,
-                 const WrittenValue& written) {
-  const std::string& text = written.text;
+bool lacks_unit(const ParameterDescription& parameter, const std::string& text) {
   char* end = nullptr;
   const double number = std::strtod(text.c_str(), &end);
   const bool bare = !text.empty() && *end == '\0';
-  if (bare && number != 0 && has_unit(parameter)) {
+  return bare && number != 0 && has_unit(parameter);
+}
+
+void demand_unit(const std::string& what, const ParameterDescription& parameter,
+                 const WrittenValue& written) {
+  const std::string& text = written.text;
+  if (lacks_unit(parameter, text)) {
     throw ConfigurationError(
         written.where,
         with_code(Code::wrong_unit, "{}key '{}': {} has no unit; write for example  {}",

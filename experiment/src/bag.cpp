@@ -15,6 +15,8 @@
 namespace spikeloop::experiment {
 namespace {
 
+constexpr int kComparedMessages = 1000;
+
 bool is_sensor(const Node& node, const std::set<std::string>& whole) {
   return takes_messages(node.kind) && whole.contains(node.name);
 }
@@ -242,6 +244,23 @@ SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader) {
                ? count_channels(sensor.parameters, reader->dialect(), first->bytes)
                : count_values(sensor.parameters, reader->dialect(), first->bytes);
   };
+}
+
+bool length_changes(const bag::Reader& reader, const Node& sensor) {
+  bag::Stream stream = reader.stream(sensor.parameters.text("topic"), sensor.name);
+  std::optional<std::uint32_t> first;
+  for (int i = 0; i < kComparedMessages; ++i) {
+    const auto message = stream.next();
+    if (!message) {
+      break;
+    }
+    const std::uint32_t values = count_values(sensor.parameters, reader.dialect(), message->bytes);
+    if (first.value_or(values) != values) {
+      return true;
+    }
+    first = values;
+  }
+  return false;
 }
 
 void check_bag(const bag::Reader& reader, const std::set<std::string>& whole,

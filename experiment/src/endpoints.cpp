@@ -18,6 +18,12 @@ topics::SensorSettings sensor_settings(const Parameters& parameters) {
           .initial = number_or_word(parameters, "initial", "none", "write for example 0")};
 }
 
+bool takes_picture(const Parameters& parameters) {
+  const std::string& type = parameters.text("message");
+  return !parameters.given("fields") &&
+         (type == "sensor_msgs/Image" || type == "sensor_msgs/CompressedImage");
+}
+
 messages::EventSettings event_settings(const Parameters& parameters) {
   const std::string& type = parameters.text("message");
   located_at(parameters.where("message"), [&] { messages::check_event_type(type); });

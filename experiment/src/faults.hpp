@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -84,6 +85,9 @@ struct Trial {
   const std::set<std::string>& whole;  ///< nodes without a fault
   bool try_nodes = true;
   SensorWidth sensor_width{};  ///< empty: nobody knows
+  /// True if the recorded messages of a sensor have different numbers of values. Empty without a
+  /// recording.
+  std::function<bool(const Node& sensor)> length_changes{};
 };
 void resolve_connections(const ExperimentFile& file, const Trial& trial, Experiment& experiment,
                          Faults& faults);
@@ -112,6 +116,8 @@ void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
 std::shared_ptr<const bag::Reader> open_bag(const Experiment& experiment, Faults& faults);
 /// By the first message that a sensor would take.
 SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader);
+/// Compares the first messages of a sensor, see Trial.
+bool length_changes(const bag::Reader& reader, const Node& sensor);
 /// What the sensors ask of the bag: topics, types and versions. An experiment without duration ends
 /// with the bag.
 void check_bag(const bag::Reader& reader, const std::set<std::string>& whole,

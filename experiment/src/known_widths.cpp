@@ -29,11 +29,14 @@ std::uint32_t table_width(const Node& node, Direction direction) {
                                         : weights.columns;
 }
 
-/// A picture of a size that is written says its width.
+/// The size of an image and the number of directions of a scan may be written.
 std::uint32_t sensor_width(const Node& node, const Trial& trial) {
   const messages::SensorRule rule = sensing::sensor_rule(node.parameters);
   if (rule.image && rule.image->values()) {
     return *rule.image->values();
+  }
+  if (rule.scan && rule.scan->beams != 0) {
+    return rule.scan->beams;
   }
   return trial.sensor_width ? trial.sensor_width(node).value_or(0) : 0;
 }

@@ -52,6 +52,18 @@ std::string sensor_text(const Node& sensor) {
   return json.dump(2) + "\n";
 }
 
+/// A value as a .music file has it: a list without brackets and quotation marks.
+std::string plain_text(const WrittenValue& value) {
+  if (!value.is_list()) {
+    return value.text;
+  }
+  std::vector<std::string> texts;
+  for (const WrittenEntry& entry : value.entries()) {
+    texts.push_back(entry.value.text);
+  }
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
 /// "continuous->spikes", for the launcher, which does not know a plug-in's class.
 std::string kinds_of(const NodeClass& node_class) {
   std::string in = "spikes";
@@ -177,6 +189,14 @@ class Writer : JobWriter {
     } else if (!rule.fields.empty() || rule.image) {
       add(node, "sensor_mapping_filename", as_file(node, "mapping", sensor_text(node), "json"),
           node.parameters.given("fields") ? "fields" : "image");
+    }
+    for (const char* key : {"beams", "angles"}) {
+      if (const auto value = node.written.find(key); value != node.written.end()) {
+        add(node, key, plain_text(value->second));
+      }
+    }
+    if (!takes_picture(node.parameters)) {
+      add("strict", "false");  // messages may have any length, as in an experiment
     }
     add(node, "initial", node.parameters.text("initial"));
   }

@@ -396,7 +396,11 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
     const std::size_t before = all.count();
     const ExperimentFile named = with_simulator_ports(file, experiment, all);
     if (all.count() == before) {
-      resolve_connections(named, {whole, overrides.try_nodes, robot.width}, experiment, all);
+      Trial trial{whole, overrides.try_nodes, robot.width};
+      if (bag) {
+        trial.length_changes = [&](const Node& sensor) { return length_changes(*bag, sensor); };
+      }
+      resolve_connections(named, trial, experiment, all);
     }
   } else if (!faults.empty() && std::ranges::all_of(faults, [](const Diagnostic& fault) {
                return fault.exit_code == 0;  // code that was not run

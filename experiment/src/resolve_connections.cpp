@@ -148,11 +148,17 @@ void take_connections(const GraphPlan& plan, const ExperimentFile& file,
   }
 }
 
-void check_against_robot(const Node& node, const Experiment& experiment,
-                         const SensorWidth& sensor_width) {
-  const std::uint32_t values = sensor_width ? sensor_width(node).value_or(0) : 0;
+/// Messages of changing length are read as far as they fit, but not pixels of images.
+bool may_differ(const Node& node, const Trial& trial) {
+  return node.kind == kRosSensor && !takes_picture(node.parameters) && trial.length_changes &&
+         trial.length_changes(node);
+}
+
+void check_against_robot(const Node& node, const Experiment& experiment, const Trial& trial) {
+  const std::uint32_t values = trial.sensor_width ? trial.sensor_width(node).value_or(0) : 0;
   for (const Connection& connection : experiment.connections) {
-    if (node_of(connection.from) == node.name && values != 0 && values != connection.width) {
+    if (node_of(connection.from) == node.name && values != 0 && values != connection.width &&
+        !may_differ(node, trial)) {
       throw ConfigurationError(
           connection.where,
           with_code(
@@ -196,17 +202,14 @@ void check_events(const Node& node, const Experiment& experiment) {
 }
 
 /// What only widths decide.
-void check_node(const Node& node, const Experiment& experiment, const SensorWidth& sensor_width) {
+void check_node(const Node& node, const Experiment& experiment, const Trial& trial) {
   if (takes_messages(node.kind) && experiment.width(node.name, "out") == 0) {
-    if (sensor_width) {  // else the robot is faulty, which has been told
+    if (trial.sensor_width) {  // else the robot is faulty, which has been told
       refuse_width(node, experiment);
     }
   } else if (node.kind == kRosSensor) {
-    check_against_robot(node, experiment, sensor_width);
-    const char* const key = node.parameters.given("fields")  ? "fields"
-                            : node.parameters.given("image") ? "image"
-                                                             : "message";
-    located_at(node.parameters.where(key), [&] {
+    check_against_robot(node, experiment, trial);
+    located_at(sensing::place_of_rule(node.parameters), [&] {
       const std::string& type = node.parameters.text("message");
       messages::SensorConversion(messages::Catalog::for_type(experiment.dialect, type), type,
                                  sensing::sensor_rule(node.parameters),
@@ -214,7 +217,7 @@ void check_node(const Node& node, const Experiment& experiment, const SensorWidt
       return 0;
     });
   } else if (node.kind == kRosEventSensor) {
-    check_against_robot(node, experiment, sensor_width);
+    check_against_robot(node, experiment, trial);
     check_events(node, experiment);
   } else if (node.kind == kRosCommand) {
     in_yaml([&] { check_channels(node.mapping, experiment.width(node.name, "in")); });
@@ -274,7 +277,7 @@ void resolve_connections(const ExperimentFile& file, const Trial& trial, Experim
     const Node& node = experiment.nodes[i];
     if (trial.whole.contains(node.name)) {
       faults.attempt(node.where, [&] {
-        check_node(node, experiment, trial.sensor_width);
+        check_node(node, experiment, trial);
         if (trial.try_nodes) {
           try_node(node, planned.elements[i], experiment.seed);
         }

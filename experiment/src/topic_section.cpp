@@ -11,6 +11,8 @@ namespace {
 constexpr SectionKey kSensorKeys[] = {{"ros_topic", "topic"},
                                       {"message_type", "message"},
                                       {"fields", "fields"},
+                                      {"beams", "beams"},
+                                      {"angles", "angles"},
                                       {"initial", "initial"}};
 
 constexpr SectionKey kEventKeys[] = {{"ros_topic", "topic"},

@@ -33,6 +33,7 @@ Settings with_transport(Settings settings, Transport& transport, topics::Keep ke
 std::unique_ptr<topics::TopicSource> make_event_sensor(const Node& node, std::uint32_t width,
                                                        Transport& transport, topics::Keep keep) {
   topics::EventSensorSettings settings = experiment::event_sensor_settings(node.parameters);
+  settings.node = node.name;
   settings.events.width = width;
   settings.from_begin = transport.clock() == CommandClock::lockstep;
   return std::make_unique<topics::EventSensor>(
@@ -42,8 +43,9 @@ std::unique_ptr<topics::TopicSource> make_event_sensor(const Node& node, std::ui
 std::unique_ptr<topics::TopicSource> make_signal_sensor(const Node& node, std::uint32_t width,
                                                         Transport& transport, topics::Keep keep) {
   topics::SensorSettings settings = experiment::sensor_settings(node.parameters);
+  settings.node = node.name;
   settings.width = width;
-  settings.strict = true;
+  settings.strict = experiment::takes_picture(node.parameters);
   return std::make_unique<topics::Sensor>(
       transport.session(node), with_transport(std::move(settings), transport, std::move(keep)));
 }

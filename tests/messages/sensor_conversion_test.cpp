@@ -74,8 +74,9 @@ TEST(SensorConversion, longer_scans_are_cropped_with_one_warning) {
   EXPECT_TRUE(c.convert(scan({1.5, 2.5, 3.5, 4.5})));
   EXPECT_THAT(c.channels(), ElementsAre(-0.5, 0.0));
   EXPECT_EQ(c.take_warning(),
-            "a sensor_msgs/LaserScan brought 4 values, but the port has 2 channels: the last 2 are "
-            "left out; write [4] in its connection to have all");
+            "a sensor_msgs/LaserScan brought 4 values, but the port has 2 channels: surplus values "
+            "are left out, and channels without a value keep their last one; set the sensor's key "
+            "'beams' to 2 to resample scans by angle, or write [4] in its connection to have all");
   EXPECT_TRUE(c.convert(scan({1.5, 2.5, 3.5, 4.5})));
   EXPECT_EQ(c.take_warning(), "");
   EXPECT_EQ(c.counts().cropped, 2u);
@@ -86,11 +87,40 @@ TEST(SensorConversion, shorter_scans_leave_the_rest_as_it_was) {
   EXPECT_TRUE(c.convert(scan({1.5, 2.5, 3.5})));
   EXPECT_TRUE(c.convert(scan({2.5})));
   EXPECT_THAT(c.channels(), ElementsAre(0.0, 0.0, 0.5));
-  EXPECT_EQ(
-      c.take_warning(),
-      "a sensor_msgs/LaserScan brought 1 values, but the port has 3 channels: the last 2 keep "
-      "their value; write [1] in its connection");
+  EXPECT_THAT(c.take_warning(),
+              Fault("a sensor_msgs/LaserScan brought 1 values ... 3 channels ... 'beams' ... [1] "
+                    "... if no message has more"));
   EXPECT_EQ(c.counts().short_messages, 1u);
+  EXPECT_TRUE(c.convert(scan({1.5, 1.5, 1.5, 1.5})));
+  EXPECT_THAT(c.channels(), ElementsAre(-0.5, -0.5, -0.5));
+  EXPECT_EQ(c.take_warning(), "") << "one warning is enough";
+  EXPECT_EQ(c.counts().cropped, 1u);
+}
+
+TEST(SensorConversion, fields_of_any_length_keep_their_channels) {
+  const auto echoes = [](const std::vector<double>& ranges, const std::vector<double>& strengths) {
+    return message("LaserScan", {"ranges", "intensities", "range_max"}, {ranges, strengths, {9}});
+  };
+  const std::vector<std::string> fields{"ranges", "intensities", "range_max"};
+  auto c = conversion("LaserScan", 7, false, fields);
+  EXPECT_TRUE(c.convert(echoes({1, 2}, {10, 20, 30})));  // nothing fits yet: three and three
+  EXPECT_THAT(c.channels(), ElementsAre(1, 2, IsNan(), 10, 20, 30, 9));
+  EXPECT_THAT(c.take_warning(),
+              Fault("a sensor_msgs/LaserScan brought 2 values in 'ranges', but 3 of the channels "
+                    "... [6] in its connection ..."));
+  EXPECT_TRUE(c.convert(echoes({1, 2, 3, 4}, {40, 50, 60, 70})));
+  EXPECT_THAT(c.channels(), ElementsAre(1, 2, 3, 40, 50, 60, 9));
+  EXPECT_TRUE(c.convert(echoes({5, 6}, {7, 8, 9, 10})));  // fits: two and four from now on
+  EXPECT_THAT(c.channels(), ElementsAre(5, 6, 7, 8, 9, 10, 9));
+  EXPECT_TRUE(c.convert(echoes({1, 1, 1}, {})));
+  EXPECT_THAT(c.channels(), ElementsAre(1, 1, 7, 8, 9, 10, 9));
+  EXPECT_EQ(c.take_warning(), "");
+  EXPECT_EQ(c.counts().short_messages, 1u);
+  EXPECT_EQ(c.counts().cropped, 2u);
+  EXPECT_THAT(error_of([&] {
+                conversion("LaserScan", 7, true, fields).convert(echoes({1, 2}, {10, 20, 30}));
+              }),
+              Fault("... 2 values in 'ranges' ... [6] ... [SL0505]"));
 }
 
 TEST(SensorConversion, strict_names_both_widths) {

@@ -163,6 +163,44 @@ TEST_P(SensorRules, elements_that_no_message_has_are_told) {
   EXPECT_THAT(c.channels(), ElementsAre(1.5, IsNan()));
 }
 
+/// Joints with their positions.
+std::vector<Field> joints(const std::vector<std::pair<std::string, double>>& positions) {
+  std::vector<Field> fields;
+  Field numbers{"position", {}};
+  for (const auto& [name, position] : positions) {
+    fields.push_back({"name[" + std::to_string(fields.size()) + "]", {}, name});
+    numbers.numbers.push_back(position);
+  }
+  fields.push_back(numbers);
+  return fields;
+}
+
+TEST_P(SensorRules, each_name_keeps_its_channel) {
+  const std::string type = "sensor_msgs/JointState";
+  auto c = conversion(type, plain_fields({"position"}), 3);
+  const auto take = [&](const std::vector<std::pair<std::string, double>>& positions) {
+    EXPECT_TRUE(c.convert(message(type, joints(positions))));
+  };
+  take({{"a", 1}, {"b", 2}, {"c", 3}});
+  EXPECT_THAT(c.channels(), ElementsAre(1, 2, 3));
+  EXPECT_EQ(c.take_warning(), "");
+  take({{"c", 30}, {"a", 10}, {"b", 20}});
+  EXPECT_THAT(c.channels(), ElementsAre(10, 20, 30));
+  EXPECT_EQ(c.take_warning(),
+            "'name' of a sensor_msgs/JointState was [a, b, c] and is now [c, a, b]: each name "
+            "keeps its channel, and new names get the next ones; select the elements by name, as "
+            "in position[name=a]");
+  take({{"b", 200}});
+  EXPECT_THAT(c.channels(), ElementsAre(10, 200, 30));
+  take({{"d", 7}, {"c", 300}});
+  EXPECT_THAT(c.channels(), ElementsAre(10, 200, 300));
+
+  auto parts = conversion(type, plain_fields({"position"}), 3);  // two nodes publish a part each
+  EXPECT_TRUE(parts.convert(message(type, joints({{"arm", 1}}))));
+  EXPECT_TRUE(parts.convert(message(type, joints({{"left", 2}, {"right", 3}}))));
+  EXPECT_THAT(parts.channels(), ElementsAre(1, 2, 3));
+}
+
 /// Two by two pixels: red, green, blue, white.
 std::vector<Field> picture() {
   return {{"header.frame_id", {}, "camera"},

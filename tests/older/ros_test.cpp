@@ -22,7 +22,10 @@ constexpr const char* kScan = "/vehicle/scan";
 constexpr const char* kTwist = "/vehicle/wheels";
 const std::string kCropped =
     "warning: topic '/vehicle/scan': a sensor_msgs/LaserScan brought 100 values, but the "
-    "port has 20 channels: the last 80 are left out; write [100] in its connection to have all";
+    "port has 20 channels: surplus values are left out, and channels without a value keep their "
+    "last "
+    "one; set the sensor's key 'beams' to 20 to resample scans by angle, or write [100] in its "
+    "connection to have all";
 
 /// What a regular train of spikes of this rate (Hz) makes of the kernel exp(-t/tau)/tau, from just
 /// before a spike to just after it.

@@ -285,12 +285,6 @@ void NodeImporter::add_mapping_file(const MusicSection& section) {
 }
 
 void NodeImporter::note_differences(const MusicSection& section) {
-  if (node_.description->name == experiment::kRosSensor && !strict(section)) {
-    note(section.where,
-         fmt::format("'{}': a message of another length than the connection ends an experiment; "
-                     "the program leaves out values, or keeps old ones",
-                     section.label));
-  }
   if (node_.description->name == experiment::kRosCommand &&
       find(section, "sensor_topics") != nullptr) {
     note(section.where, fmt::format("'{}': an experiment watches the sensors on the way to a "

@@ -99,10 +99,13 @@ std::string yaml_value(const ParameterDescription& parameter, const std::string&
   }
   const Parameters read = resolve({parameter}, {{parameter.name, {text, where}}}, {});
   const ParameterDescription& each = parameter.inner.front();
-  if (each.type != ParameterType::map) {
-    return fmt::format("[{}]", fmt::join(read.numbers(parameter.name), ", "));
-  }
   std::vector<std::string> entries;
+  if (each.type != ParameterType::map) {
+    for (const double number : read.numbers(parameter.name)) {
+      entries.push_back(with_unit(fmt::format("{}", number), each.unit));
+    }
+    return fmt::format("[{}]", fmt::join(entries, ", "));
+  }
   for (const Parameters::Entry& entry : read.entries(parameter.name)) {
     entries.push_back(yaml_quoted(entry.values.text(each.plain_key)));
   }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "spikeloop/messages/catalog.hpp"
@@ -21,10 +22,18 @@ enum class Held : std::uint8_t {
   missing      ///< the message does not have this element
 };
 
+/// A message with another number of values than there are channels for them.
+struct Misfit {
+  std::string path;  ///< the field; empty for all values of the message
+  std::size_t values = 0;
+  std::size_t channels = 0;
+};
+
 /// What one message brings, channel by channel.
 struct ReadValues {
   std::vector<double> numbers;
   std::vector<Held> held;
+  std::optional<Misfit> misfit;  ///< of one of several fields
 };
 
 /// Takes the numbers of one message after the other.
@@ -37,22 +46,36 @@ class Reading {
 
   /// Number of values of a message; nothing when that is the message's to say.
   virtual std::optional<std::size_t> width() const = 0;
-  /// What names the value of a channel in the file; that the message does not have all of them is
-  /// known where paths say how many they are.
-  virtual std::string path_of(std::size_t /*channel*/) const { return "value"; }
+  /// Name of a channel's value in the experiment file or the message.
+  virtual std::string name_of(std::size_t /*channel*/) const { return "value"; }
+  /// What to write if the number of values changes from message to message; empty if there is only
+  /// the width of the connection.
+  virtual std::string length_remedy(std::size_t /*channels*/) const { return {}; }
   /// Replaces values(). False: the message is to be left out.
   /// @throws TransportError when it cannot be read.
   bool take(std::span<const std::byte> message) {
     values_.numbers.clear();
     values_.held.clear();
+    values_.misfit.reset();
     return read(message, values_);
   }
   const ReadValues& values() const { return values_; }
+  /// Warnings since the last call.
+  std::vector<std::string> take_warnings() { return std::exchange(warnings_, {}); }
+
+ protected:
+  /// An empty text is no warning.
+  void warn(std::string text) {
+    if (!text.empty()) {
+      warnings_.push_back(std::move(text));
+    }
+  }
 
  private:
   virtual bool read(std::span<const std::byte> message, ReadValues& values) = 0;
 
   ReadValues values_;
+  std::vector<std::string> warnings_;
 };
 
 /// @param width of the port: an Odometry gives as many values as it has

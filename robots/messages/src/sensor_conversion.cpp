@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -52,15 +53,16 @@ bool SensorConversion::convert(std::span<const std::byte> message) {
     whole = reading_->take(message);
   } catch (const TransportError& error) {
     if (counts_.malformed++ == 0) {
-      warning_ = fmt::format("a {} could not be read and is left out: {}", type_, error.what());
+      warn(fmt::format("a {} could not be read and is left out: {}", type_, error.what()));
     }
     return false;
   }
+  std::ranges::move(reading_->take_warnings(), std::back_inserter(warnings_));
   if (!whole) {
     ++counts_.without_reading;
     return false;
   }
-  fit(reading_->values().numbers.size());
+  fit();
   return take_values();
 }
 
@@ -80,7 +82,7 @@ bool SensorConversion::take_values() {
     warn_of_missing();
   }
   if (readings == 0 && counts_.without_reading++ == 0) {
-    warning_ = fmt::format("a {} brought no reading; the channels keep what they had", type_);
+    warn(fmt::format("a {} brought no reading; the channels keep what they had", type_));
   }
   return readings > 0;
 }
@@ -89,42 +91,56 @@ void SensorConversion::warn_of_missing() {
   const ReadValues& values = reading_->values();
   for (std::size_t i = 0; i < std::min(values.held.size(), channels_.size()); ++i) {
     if (values.held[i] == Held::missing && std::isnan(channels_[i])) {
-      warning_ = fmt::format("the first {} messages had no '{}', so channel {} has no value",
-                             kPatientMessages, reading_->path_of(i), i);
+      warn(fmt::format("the first {} messages had no '{}', so channel {} has no value",
+                       kPatientMessages, reading_->name_of(i), i));
       return;
     }
   }
 }
 
-void SensorConversion::fit(std::size_t count) {
-  const std::size_t width = channels_.size();
-  if (count == width || count == 0) {
+void SensorConversion::fit() {
+  const ReadValues& values = reading_->values();
+  Misfit misfit{"", values.numbers.size(), channels_.size()};
+  if (misfit.values == misfit.channels && values.misfit) {
+    misfit = *values.misfit;
+  }
+  if (misfit.values == misfit.channels || values.numbers.empty()) {
     return;
   }
+  const std::string difference =
+      misfit.path.empty()
+          ? fmt::format("a {} brought {} values, but the port has {} channels", type_,
+                        misfit.values, misfit.channels)
+          : fmt::format("a {} brought {} values in '{}', but {} of the channels are for them",
+                        type_, misfit.values, misfit.path, misfit.channels);
+  const std::size_t whole = channels_.size() - misfit.channels + misfit.values;
   if (strict_) {
     throw ConfigurationError(
-        with_code(Code::fields_differ,
-                  "a {} brought {} values, but the port has {} channels; write [{}] in its "
-                  "connection",
-                  type_, count, width, count));
+        with_code(Code::fields_differ, "{}; write [{}] in its connection", difference, whole));
   }
-  if (count > width) {
-    if (counts_.cropped++ == 0) {
-      warning_ = fmt::format(
-          "a {} brought {} values, but the port has {} channels: the last {} are "
-          "left out; write [{}] in its connection to have all",
-          type_, count, width, count - width, count);
-    }
-  } else if (counts_.short_messages++ == 0) {
-    warning_ = fmt::format(
-        "a {} brought {} values, but the port has {} channels: the last {} keep "
-        "their value; write [{}] in its connection",
-        type_, count, width, width - count, count);
+  const bool surplus = misfit.values > misfit.channels;
+  if (counts_.cropped + counts_.short_messages == 0) {
+    const std::string remedy = reading_->length_remedy(channels_.size());
+    warn(fmt::format(
+        "{}: surplus values are left out, and channels without a value keep their last one; "
+        "{}write [{}] in its connection {}",
+        difference, remedy.empty() ? "" : remedy + ", or ", whole,
+        surplus ? "to have all" : "if no message has more"));
   }
+  ++(surplus ? counts_.cropped : counts_.short_messages);
+}
+
+void SensorConversion::warn(std::string text) {
+  warnings_.push_back(std::move(text));
 }
 
 std::string SensorConversion::take_warning() {
-  return std::exchange(warning_, {});
+  if (warnings_.empty()) {
+    return {};
+  }
+  std::string first = std::move(warnings_.front());
+  warnings_.erase(warnings_.begin());
+  return first;
 }
 
 }  // namespace spikeloop::messages

@@ -4,10 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <numbers>
 #include <string>
 
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/messages/field_path.hpp"
 
 namespace spikeloop::sensing {
 namespace {
@@ -15,6 +17,9 @@ namespace {
 using messages::NotANumber;
 using messages::SensorField;
 using Parameter = ParameterDescription;
+
+constexpr double kMostDegrees = 360;
+constexpr double kTurn = 2 * std::numbers::pi;
 
 const std::vector<std::string> kPolicies = {"pass", "hold", "skip", "zero"};  // as NotANumber
 
@@ -121,20 +126,85 @@ SensorField field_of(const Parameters& keys) {
 }  // namespace
 
 std::vector<Parameter> sensor_parameters() {
-  return {{.name = "fields",
-           .type = ParameterType::list,
-           .default_value = "",
-           .text = "Fields to use instead of the default ones of the message type: paths, or maps "
-                   "of further keys",
-           .inner = {field()},
-           .example = "[pose.pose.position.x]"},
-          {.name = "image",
-           .type = ParameterType::map,
-           .default_value = "",
-           .text = "Conversion of a sensor_msgs/Image or CompressedImage (docs/images.md)",
-           .inner = images::image_parameters(),
-           .example = "{resize: [40, 30]}"}};
+  return {
+      {.name = "fields",
+       .type = ParameterType::list,
+       .default_value = "",
+       .text = "Fields to use instead of the default ones of the message type: paths, or maps "
+               "of further keys",
+       .inner = {field()},
+       .example = "[pose.pose.position.x]"},
+      {.name = "image",
+       .type = ParameterType::map,
+       .default_value = "",
+       .text = "Conversion of a sensor_msgs/Image or CompressedImage (docs/images.md)",
+       .inner = images::image_parameters(),
+       .example = "{resize: [40, 30]}"},
+      {.name = "beams",
+       .type = ParameterType::integer,
+       .default_value = "",
+       .minimum = 1,
+       .maximum = static_cast<double>(messages::kMostElements),
+       .text = "Number of directions to which a sensor_msgs/LaserScan is resampled; not given: "
+               "the beams of the message"},
+      {.name = "angles",
+       .type = ParameterType::list,
+       .default_value = "",
+       .text = "First and last direction of beams, counterclockwise; not given: the first and "
+               "last beam of each scan",
+       .inner =
+           {{.name = "angle", .unit = "deg", .minimum = -kMostDegrees, .maximum = kMostDegrees}},
+       .count = 2,
+       .example = "[-90 deg, 90 deg]"}};
 }
+
+namespace {
+
+/// @throws ConfigurationError for directions that are not counterclockwise, or without their number
+messages::ScanRule scan_rule(const Parameters& keys) {
+  messages::ScanRule rule;
+  if (keys.given("beams")) {
+    rule.beams = static_cast<std::uint32_t>(keys.integer("beams"));
+  }
+  if (!keys.given("angles")) {
+    return rule;
+  }
+  if (rule.beams == 0) {
+    throw ConfigurationError(
+        keys.where("angles"),
+        with_code(Code::missing_key,
+                  "key 'angles': key 'beams' with the number of directions is missing; write for "
+                  "example  beams: 100"));
+  }
+  const double first = keys.numbers("angles")[0];
+  const double last = keys.numbers("angles")[1];
+  if (!(first < last)) {
+    throw ConfigurationError(
+        keys.where("angles"),
+        with_code(
+            Code::wrong_order,
+            "key 'angles': {0:g} deg is not counterclockwise of {1:g} deg; write for example  "
+            "angles: {2}",
+            last, first,
+            first == last ? std::string("[-90 deg, 90 deg]")
+                          : fmt::format("[{0:g} deg, {1:g} deg]  or, across the back,  [{1:g} "
+                                        "deg, {2:g} deg]",
+                                        last, first, last + kMostDegrees)));
+  }
+  if (last - first > kMostDegrees) {
+    throw ConfigurationError(
+        keys.where("angles"),
+        with_code(
+            Code::out_of_bounds,
+            "key 'angles': from {0:g} deg to {1:g} deg is more than {2:g} deg; write for example  "
+            "angles: [{0:g} deg, {3:g} deg]",
+            first, last, kMostDegrees, first + kMostDegrees));
+  }
+  rule.angles = {first / kMostDegrees * kTurn, last / kMostDegrees * kTurn};
+  return rule;
+}
+
+}  // namespace
 
 messages::SensorRule sensor_rule(const Parameters& keys) {
   messages::SensorRule rule;
@@ -151,7 +221,30 @@ messages::SensorRule sensor_rule(const Parameters& keys) {
                                        "leave 'image' or 'fields' out, "
                                        "and write a second sensor"));
   }
+  for (const char* key : {"beams", "angles"}) {
+    if (!keys.given(key)) {
+      continue;
+    }
+    if (rule.image || !rule.fields.empty()) {
+      throw ConfigurationError(
+          keys.where(key),
+          with_code(Code::conflicting_keys,
+                    "key '{}': it is for all beams of a sensor_msgs/LaserScan; leave it or '{}' "
+                    "out",
+                    key, rule.image ? "image" : "fields"));
+    }
+    rule.scan = scan_rule(keys);
+  }
   return rule;
+}
+
+Location place_of_rule(const Parameters& keys) {
+  for (const char* key : {"fields", "image", "beams", "angles"}) {
+    if (keys.given(key)) {
+      return keys.where(key);
+    }
+  }
+  return keys.where("message");
 }
 
 }  // namespace spikeloop::sensing

@@ -29,7 +29,8 @@ struct EventSensor::Impl {
         begun(wanted.from_begin),
         playback(wanted.latency),
         reader(session,
-               {.topic = wanted.topic,
+               {.node = wanted.node,
+                .topic = wanted.topic,
                 .type = wanted.events.message_type,
                 .queue = wanted.queue,
                 .reliable = true,
@@ -37,7 +38,7 @@ struct EventSensor::Impl {
                [this](std::span<const std::byte> bytes, TimeNs now) { return take(bytes, now); }) {}
 
   /// In the session's thread, the moment a message has arrived.
-  std::string take(std::span<const std::byte> bytes, TimeNs now) {
+  std::vector<std::string> take(std::span<const std::byte> bytes, TimeNs now) {
     const bool of_run = begun;
     if (of_run && !restarted) {
       // Nothing of the run hangs on what was before it, so that its messages alone give it again.
@@ -62,7 +63,8 @@ struct EventSensor::Impl {
     } else {
       before_begin += arrival.events.events.size();
     }
-    return conversion.take_warning();
+    std::string warning = conversion.take_warning();
+    return warning.empty() ? std::vector<std::string>{} : std::vector{std::move(warning)};
   }
 
   /// In the loop: what has come since the tick before.

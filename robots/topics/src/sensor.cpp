@@ -31,7 +31,8 @@ struct Sensor::Impl {
         conversion(conversion_of(session.dialect(), wanted)),
         newest(wanted.width, 0.0),
         reader(session,
-               {.topic = wanted.topic,
+               {.node = wanted.node,
+                .topic = wanted.topic,
                 .type = wanted.message_type,
                 .queue = wanted.queue,
                 .type_is_a_key = true,
@@ -40,7 +41,7 @@ struct Sensor::Impl {
                [this](std::span<const std::byte> bytes, TimeNs now) { return take(bytes, now); }) {}
 
   /// In the session's thread, the moment a message has arrived.
-  std::string take(std::span<const std::byte> bytes, TimeNs now) {
+  std::vector<std::string> take(std::span<const std::byte> bytes, TimeNs now) {
     const bool good = convert(bytes);
     // Values and message at once: a tick uses what is kept for it, and nothing else.
     const std::lock_guard lock(mutex);
@@ -53,7 +54,12 @@ struct Sensor::Impl {
       arrived = now;
       ++revision;
     }
-    return conversion.take_warning();
+    std::vector<std::string> warnings;
+    for (std::string text = conversion.take_warning(); !text.empty();
+         text = conversion.take_warning()) {
+      warnings.push_back(std::move(text));
+    }
+    return warnings;
   }
 
   /// A message of the wrong width has come, too. @throws as SensorConversion::convert

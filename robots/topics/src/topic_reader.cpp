@@ -48,13 +48,15 @@ TopicReader::TopicReader(Session& session, const TopicReaderSettings& settings, 
 void TopicReader::receive(std::span<const std::byte> message) {
   const TimeNs now = wall_now();
   try {
-    const std::string warning = take_(message, now);
+    const std::vector<std::string> warnings = take_(message, now);
     ++received_;
     if (settings_.arrived) {
       settings_.arrived();
     }
-    if (!warning.empty()) {
-      log::warning("topic '{}': {}", settings_.topic, warning);
+    for (const std::string& warning : warnings) {
+      log::warning("{}topic '{}': {}",
+                   settings_.node.empty() ? "" : fmt::format("node '{}': ", settings_.node),
+                   settings_.topic, warning);
     }
     const std::lock_guard lock(mutex_);
     newest_at_ = now;

@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/topics/session.hpp"
@@ -18,6 +19,7 @@
 namespace spikeloop::topics {
 
 struct TopicReaderSettings {
+  std::string node{};  ///< its name in an experiment, for warnings; empty in a .music file
   std::string topic;
   std::string type;  ///< "sensor_msgs/LaserScan"
   std::uint32_t queue = 10;
@@ -33,8 +35,8 @@ struct TopicReaderSettings {
 class TopicReader {
  public:
   /// Called in the session's thread the moment a message has arrived, with the time of the
-  /// monotonic clock. Returns a warning to log, or nothing. What it throws ends the run.
-  using Take = std::function<std::string(std::span<const std::byte>, TimeNs now)>;
+  /// monotonic clock. Returns the warnings to log. What it throws ends the run.
+  using Take = std::function<std::vector<std::string>(std::span<const std::byte>, TimeNs now)>;
 
   /// @throws ConfigurationError for an unknown type or an impossible topic.
   TopicReader(Session& session, const TopicReaderSettings& settings, Take take);

@@ -20,18 +20,23 @@ class Reading;
 ///
 /// | type                     | channels                                                       |
 /// |--------------------------|----------------------------------------------------------------|
-/// | sensor_msgs/LaserScan    | a beam each, 2 (r - range_min) / (range_max - range_min) - 1     |
-/// | geometry_msgs/Twist      | linear.x, angular.z, limited to [-1, 1]                        |
-/// | std_msgs/Float64MultiArray | the data as they are                                         |
-/// | nav_msgs/Odometry        | position x, y, z in metres, as many as the port has             |
-/// | sensor_msgs/Image, CompressedImage | see images::ImageConversion; without a rule its grey  |
+/// | sensor_msgs/LaserScan    | a beam each, from right to left, 2 (r - range_min) / (range_max -
+/// range_min) - 1 | | geometry_msgs/Twist      | linear.x, angular.z, limited to [-1, 1] | |
+/// std_msgs/Float64MultiArray | the data as they are                                         | |
+/// nav_msgs/Odometry        | position x, y, z in metres, as many as the port has             | |
+/// sensor_msgs/Image, CompressedImage | see images::ImageConversion; without a rule its grey  |
 ///
 /// A beam nearer than range_min, -inf too, is -1 (too close); one beyond range_max, +inf too, is 1
 /// (nothing there), as REP 117 says. NaN is not a reading, and so is 0, which many drivers send
 /// instead: the beam keeps its last value (NaN before the first).
-/// So does a pixel without a reading. With `fields`, any type: the numbers of these paths one after
-/// the other. Elements that a path names and the message does not have are no reading: their
-/// channels keep their values.
+/// So does a pixel without a reading. `scan` of the rule resamples a LaserScan by angle: a channel
+/// is the nearest of the beams that are closer to its direction than to another one's; if there are
+/// none, the next beam, at most one angle_increment away.
+///
+/// A message may have another number of values than the port has channels: surplus values are left
+/// out, channels without a value keep their last one. With `fields`, any type: the numbers of these
+/// paths one after the other. Elements that a path names and the message does not have are no
+/// reading: their channels keep their values.
 class SensorConversion {
  public:
   struct Counts {
@@ -43,7 +48,7 @@ class SensorConversion {
     std::uint64_t malformed = 0;         ///< messages that could not be read at all
   };
 
-  /// @param strict a message that does not fit the port is an error
+  /// @param strict a message with another number of values than the port has channels is an error
   /// @throws ConfigurationError: a type without a rule, unknown paths, a rule for pictures with
   /// another type; when `strict`, a type whose number of values is known and is not the port's
   /// width.
@@ -65,21 +70,22 @@ class SensorConversion {
 
   std::span<const double> channels() const { return channels_; }
   const Counts& counts() const { return counts_; }
-  /// What the last convert() found worth telling, once a kind; else empty.
+  /// Returns and removes the oldest warning, each kind of which comes once. Empty if there is none.
   std::string take_warning();
   const std::string& type() const { return type_; }
 
  private:
-  void fit(std::size_t count);
+  void fit();
   bool take_values();
   void warn_of_missing();
+  void warn(std::string text);
 
   std::string type_;
   bool strict_ = false;
   std::unique_ptr<Reading> reading_;
   std::vector<double> channels_;
   Counts counts_;
-  std::string warning_;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace spikeloop::messages

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "spikeloop/images/image_settings.hpp"
@@ -32,10 +33,21 @@ struct SensorField {
   double instead = 0;
 };
 
-/// Neither of the two: what SensorConversion makes of the type by itself.
+/// Values of a sensor_msgs/LaserScan.
+struct ScanRule {
+  /// Number of directions to which scans are resampled. 0: the beams of the message.
+  std::uint32_t beams = 0;
+  /// First and last direction in rad, counterclockwise. nullopt: the first and last beam of each
+  /// scan.
+  std::optional<std::pair<double, double>> angles{};
+  bool operator==(const ScanRule&) const = default;
+};
+
+/// At most one of the three. None: the usual fields of the type, see SensorConversion.
 struct SensorRule {
   std::vector<SensorField> fields{};
-  std::optional<images::ImageSettings> image{};  ///< of a picture; then there are no fields
+  std::optional<images::ImageSettings> image{};
+  std::optional<ScanRule> scan{};
 };
 
 /// The numbers of these paths as they are.

@@ -2,6 +2,7 @@
 //
 //   fields: [pose.pose.position.x, {path: "ranges[0:100]", range: [0, 4], nan: hold}]
 //   image: {crop: [0, 120, 640, 240], resize: [40, 30], filter: on_off}
+//   beams: 100, angles: [-90 deg, 90 deg]
 #pragma once
 
 #include <vector>
@@ -11,10 +12,13 @@
 
 namespace spikeloop::sensing {
 
-/// `fields` and `image`.
+/// fields, image, beams, angles.
 std::vector<ParameterDescription> sensor_parameters();
 
 /// @throws ConfigurationError at the value's place with what to write instead.
 messages::SensorRule sensor_rule(const Parameters& keys);
+
+/// Place of the key that determines the values of a sensor with these keys and `message`.
+Location place_of_rule(const Parameters& keys);
 
 }  // namespace spikeloop::sensing

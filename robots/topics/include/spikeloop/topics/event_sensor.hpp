@@ -16,6 +16,7 @@
 namespace spikeloop::topics {
 
 struct EventSensorSettings {
+  std::string node{};  ///< its name in an experiment, for warnings; empty in a .music file
   std::string topic;
   messages::EventSettings events;
   TimeNs latency = 0;  ///< see messages::EventPlayback

@@ -16,6 +16,7 @@
 namespace spikeloop::topics {
 
 struct SensorSettings {
+  std::string node{};  ///< its name in an experiment, for warnings; empty in a .music file
   std::string topic;
   std::string message_type;     ///< "sensor_msgs/LaserScan"
   messages::SensorRule rule{};  ///< see messages::SensorConversion; usually empty

@@ -1,0 +1,231 @@
+#include "field_reading.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace spikeloop::messages {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kShownNames = 8;
+
+/// Whether the path takes all elements of an array that has an array of texts `name` beside it.
+bool has_names(const FieldPath& path) {
+  const auto name = std::ranges::find(path.type->fields, "name", &FieldLayout::name);
+  const PathStep& step = path.steps.front();
+  return name != path.type->fields.end() && name->primitive == Primitive::text &&
+         name->array == ArrayKind::variable && !step.selector && step.first == 0 &&
+         step.last == PathStep::kEnd;
+}
+
+template <typename Names>
+std::string list_of(const Names& names) {
+  const auto shown = std::min(names.size(), kShownNames);
+  return fmt::format("[{}{}]", fmt::join(names.begin(), names.begin() + shown, ", "),
+                     names.size() > shown ? ", ..." : "");
+}
+
+/// False: the message is to be left out.
+bool settle(const SensorField& field, double& value, Held& held) {
+  if (!std::isnan(value)) {
+    value = std::clamp(field.scale * value + field.offset, field.minimum, field.maximum);
+    return true;
+  }
+  if (field.not_a_number == NotANumber::number) {
+    value = field.instead;
+  }
+  held = field.not_a_number == NotANumber::hold ? Held::no_reading : Held::no;
+  return field.not_a_number != NotANumber::skip;
+}
+
+}  // namespace
+
+std::string NameOrder::read(std::span<const std::byte> message) {
+  newest_.clear();
+  places_.clear();
+  names_.read(message, newest_);
+  if (known_.empty() || std::ranges::equal(newest_, known_)) {
+    for (std::size_t i = 0; i < newest_.size(); ++i) {
+      places_.push_back(i);
+      if (known_.size() == i) {
+        add(newest_[i]);
+      }
+    }
+    return {};
+  }
+  std::string warning;
+  if (!warned_ && !newest_.empty()) {
+    warned_ = true;
+    warning = fmt::format(
+        "'name' of a {} was {} and is now {}: each name keeps its channel, and new names get the "
+        "next ones; select the elements by name, as in position[name={}]",
+        names_.path().type->name, list_of(known_), list_of(newest_), known_.front());
+  }
+  for (const std::string_view name : newest_) {
+    const auto found = place_of_.find(name);
+    if (found != place_of_.end()) {
+      places_.push_back(found->second);
+    } else if (known_.size() < most_) {
+      places_.push_back(known_.size());
+      add(name);
+    } else {
+      places_.push_back(kMostElements);
+    }
+  }
+  return warning;
+}
+
+void NameOrder::add(std::string_view name) {
+  place_of_.emplace(name, known_.size());  // of equal names the first
+  known_.emplace_back(name);
+}
+
+FieldReading::FieldReading(const Catalog& catalog, const std::string& type,
+                           const std::vector<SensorField>& fields, std::uint32_t width)
+    : type_(type), dialect_(catalog.dialect()) {
+  for (const SensorField& field : fields) {
+    if (auto points = type == kPointCloud ? PointPath::parse(field.path) : std::nullopt) {
+      const auto count = points->width();
+      entries_.push_back({field, std::move(*points), count});
+      continue;
+    }
+    FieldReader reader(catalog, type, field.path);
+    const auto count = reader.path().width();
+    const bool by_name = has_names(reader.path());
+    if (by_name && !order_) {
+      order_.emplace(catalog, type, width);
+    }
+    entries_.push_back({field, std::move(reader), count, by_name});
+  }
+  share_channels(width);
+}
+
+std::optional<std::size_t> FieldReading::width() const {
+  std::size_t sum = 0;
+  for (const Entry& entry : entries_) {
+    if (!entry.width) {
+      return std::nullopt;
+    }
+    sum += *entry.width;
+  }
+  return sum;
+}
+
+std::string FieldReading::name_of(std::size_t channel) const {
+  for (const Entry& entry : entries_) {
+    const std::size_t width = share_channels_ ? entry.channels : entry.width.value_or(channel + 1);
+    if (channel < width) {
+      return entry.field.path;
+    }
+    channel -= width;
+  }
+  return Reading::name_of(channel);
+}
+
+std::string FieldReading::length_remedy(std::size_t /*channels*/) const {
+  return order_ ? "select the elements by name, as in position[name=NAME]" : "";
+}
+
+bool FieldReading::read(std::span<const std::byte> message, ReadValues& values) {
+  if (order_) {
+    warn(order_->read(message));
+  }
+  for (Entry& entry : entries_) {
+    read_entry(entry, message);
+  }
+  fit_channels();
+  return std::ranges::all_of(entries_, [&](const Entry& entry) { return append(entry, values); });
+}
+
+void FieldReading::read_entry(Entry& entry, std::span<const std::byte> message) {
+  entry.numbers.clear();
+  const auto* const path = std::get_if<FieldReader>(&entry.reader);
+  if (path != nullptr) {
+    path->read(message, entry.numbers);
+  } else {
+    std::get<PointPath>(entry.reader).read(dialect_, message, entry.numbers);
+  }
+  entry.held.assign(entry.numbers.size(), Held::no);
+  if (entry.by_name && entry.numbers.size() == order_->places().size()) {
+    order_by_name(entry);
+  }
+}
+
+void FieldReading::order_by_name(Entry& entry) const {
+  const std::vector<double> numbers = std::exchange(entry.numbers, {});
+  entry.held.clear();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::size_t place = order_->places()[i];
+    if (place == kMostElements) {
+      continue;
+    }
+    if (place >= entry.numbers.size()) {
+      entry.numbers.resize(place + 1, kNan);
+      entry.held.resize(place + 1, Held::missing);
+    }
+    entry.numbers[place] = numbers[i];
+    entry.held[place] = Held::no;
+  }
+}
+
+void FieldReading::share_channels(std::uint32_t width) {
+  std::size_t known = 0;
+  std::size_t open = 0;
+  for (const Entry& entry : entries_) {
+    known += entry.width.value_or(0);
+    open += entry.width ? 0 : 1;
+  }
+  share_channels_ = entries_.size() > 1 && open > 0 && width > known;
+  if (!share_channels_) {
+    return;
+  }
+  shared_ = width - known;
+  std::size_t surplus = shared_ % open;
+  for (Entry& entry : entries_) {
+    entry.channels = entry.width.value_or(shared_ / open);
+    if (!entry.width && surplus > 0) {
+      ++entry.channels;
+      --surplus;
+    }
+  }
+}
+
+void FieldReading::fit_channels() {
+  std::size_t brought = 0;
+  for (const Entry& entry : entries_) {
+    brought += entry.width ? 0 : entry.numbers.size();
+  }
+  if (!share_channels_ || brought != shared_) {
+    return;
+  }
+  for (Entry& entry : entries_) {
+    entry.channels = entry.width.value_or(entry.numbers.size());
+  }
+}
+
+bool FieldReading::append(const Entry& entry, ReadValues& values) const {
+  const std::size_t brought = entry.numbers.size();
+  // A missing value must not move the values of the next fields to other channels.
+  const std::size_t width =
+      share_channels_ ? entry.channels : std::max(brought, entry.width.value_or(0));
+  if (!entry.width && brought != width && !values.misfit) {
+    values.misfit = {entry.field.path, brought, width};
+  }
+  for (std::size_t i = 0; i < width; ++i) {
+    double value = i < brought ? entry.numbers[i] : kNan;
+    Held held = i < brought ? entry.held[i] : Held::missing;
+    if (held == Held::no && !settle(entry.field, value, held)) {
+      return false;
+    }
+    values.numbers.push_back(value);
+    values.held.push_back(held);
+  }
+  return true;
+}
+
+}  // namespace spikeloop::messages

@@ -1,0 +1,83 @@
+// The numbers of field paths, as values of a sensor.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "point_cloud.hpp"
+#include "reading.hpp"
+#include "spikeloop/messages/field_path.hpp"
+#include "spikeloop/messages/field_view.hpp"
+
+namespace spikeloop::messages {
+
+/// Order of the elements of arrays that a message has beside an array `name`, as in
+/// sensor_msgs/JointState. An element keeps its channel when later messages have other names or
+/// another order.
+class NameOrder {
+ public:
+  /// @param most number of names that have a place
+  NameOrder(const Catalog& catalog, const std::string& type, std::size_t most)
+      : names_(catalog, type, "name"), most_(most) {}
+
+  /// Returns a warning at the first message with other names, else an empty text.
+  std::string read(std::span<const std::byte> message);
+  /// Place of each element of the newest message; kMostElements: no place.
+  const std::vector<std::size_t>& places() const { return places_; }
+
+ private:
+  void add(std::string_view name);
+
+  TextField names_;
+  std::size_t most_;
+  std::vector<std::string> known_;
+  std::map<std::string, std::size_t, std::less<>> place_of_;
+  std::vector<std::string_view> newest_;
+  std::vector<std::size_t> places_;
+  bool warned_ = false;
+};
+
+class FieldReading : public Reading {
+ public:
+  /// @param width of the port; 0: not known
+  FieldReading(const Catalog& catalog, const std::string& type,
+               const std::vector<SensorField>& fields, std::uint32_t width);
+
+  std::optional<std::size_t> width() const override;
+  std::string name_of(std::size_t channel) const override;
+  std::string length_remedy(std::size_t channels) const override;
+
+ private:
+  struct Entry {
+    SensorField field;
+    std::variant<FieldReader, PointPath> reader;
+    std::optional<std::size_t> width;  ///< nullopt: the message determines the number of values
+    bool by_name = false;              ///< its elements are in the order of `order_`
+    std::size_t channels = 0;          ///< with share_channels_
+    std::vector<double> numbers{};     ///< of the newest message
+    std::vector<Held> held{};
+  };
+
+  bool read(std::span<const std::byte> message, ReadValues& values) override;
+  void read_entry(Entry& entry, std::span<const std::byte> message);
+  void order_by_name(Entry& entry) const;
+  void share_channels(std::uint32_t width);
+  /// A message whose values fill the port determines how many channels each field has.
+  void fit_channels();
+  /// False: the message is to be left out.
+  bool append(const Entry& entry, ReadValues& values) const;
+
+  std::string type_;
+  Dialect dialect_;
+  std::vector<Entry> entries_;
+  std::optional<NameOrder> order_;
+  bool share_channels_ = false;  ///< several fields, one of them of any length
+  std::size_t shared_ = 0;       ///< number of channels of the fields of any length
+};
+
+}  // namespace spikeloop::messages
