@@ -22,13 +22,14 @@ inline sigset_t block_button_signals() {
   return signals;
 }
 
-/// `once`: one message when somebody hears it, and the end, as `ros2 topic pub --once`. `stay`: one
-/// at each SIGUSR1, until SIGTERM.
+/// `once`: one message when somebody subscribes, and the end, as `ros2 topic pub --once`; `once2`:
+/// when two subscribe (`-w 2`). `stay`: one at each SIGUSR1, until SIGTERM.
 inline void run_button(const std::string& mode, const sigset_t& signals,
-                       const std::function<bool()>& is_heard, const std::function<void()>& press) {
+                       const std::function<int()>& subscribers,
+                       const std::function<void()>& press) {
   constexpr std::chrono::milliseconds kPeriod{100};  // of that command, too
-  if (mode == "once") {
-    while (!is_heard()) {
+  if (mode == "once" || mode == "once2") {
+    while (subscribers() < (mode == "once" ? 1 : 2)) {
       std::this_thread::sleep_for(kPeriod);
     }
     press();
@@ -36,7 +37,7 @@ inline void run_button(const std::string& mode, const sigset_t& signals,
     return;
   }
   if (mode != "stay") {
-    throw std::runtime_error("write once or stay, not '" + mode + "'");
+    throw std::runtime_error("write once, once2 or stay, not '" + mode + "'");
   }
   std::puts("ready");
   std::fflush(stdout);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "spikeloop/ros2/session.hpp"
@@ -86,6 +87,26 @@ TEST(OneMessageTest, is_heard_of_a_program_that_ends_with_it) {
     EXPECT_EQ(button.wait().exit_code, 0);
     // Once; perhaps twice, if the program had ended when its message came (ros2::Reader).
     EXPECT_LE(robot.heard(), before + 2);
+  }
+}
+
+/// `ros2 topic pub --once` on Fast DDS waits for one subscriber, with `-w 2` for two.
+TEST(OneMessageTest, is_heard_by_as_many_subscribers_as_the_program_waits_for) {
+  const test::FreeDomain domain;
+  Robot robot(domain);
+  std::optional<Robot> other;
+  for (const char* const mode : {"once", "once2"}) {
+    const std::size_t before = robot.heard();
+    for (std::size_t press = 1; press <= 10; ++press) {
+      Child button(
+          {.arguments = {FASTDDS_BUTTON, domain.text(), mode}, .environment = domain.place()});
+      ASSERT_TRUE(robot.has_heard(before + press, kPatience)) << mode << " " << press;
+      if (other) {
+        ASSERT_TRUE(other->has_heard(press, kPatience)) << mode << " " << press;
+      }
+      EXPECT_EQ(button.wait().exit_code, 0);
+    }
+    other.emplace(domain);
   }
 }
 

@@ -1,6 +1,6 @@
 // An emergency button on Fast DDS, configured as rmw_fastrtps does.
 //
-//     fastdds_button DOMAIN once|stay
+//     fastdds_button DOMAIN once|once2|stay
 #include "tests/ros2/button.hpp"
 #include "tests/ros2/fastdds_node.hpp"
 
@@ -9,7 +9,7 @@ namespace {
 
 int run(int argc, char** argv) {
   if (argc != 3) {
-    throw std::runtime_error("write fastdds_button DOMAIN once|stay");
+    throw std::runtime_error("write fastdds_button DOMAIN once|once2|stay");
   }
   const sigset_t signals = spikeloop::test::block_button_signals();
   Peer peer(static_cast<std::uint32_t>(std::atoi(argv[1])), "udp");
@@ -20,7 +20,7 @@ int run(int argc, char** argv) {
       [&] {
         PublicationMatchedStatus status;
         writer->get_publication_matched_status(status);
-        return status.current_count > 0;
+        return status.current_count;
       },
       [&] {
         Bool pressed{1};

@@ -49,7 +49,7 @@ inline DomainParticipantQos participant_qos(const std::string& mode) {
   const auto udp = std::make_shared<UDPv4TransportDescriptor>();
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(udp);
-  if (mode != "udp" && mode != "latched" && mode != "best-effort") {
+  if (mode == "localhost" || mode == "localhost-only") {
     qos.transport().user_transports.push_back(std::make_shared<SharedMemTransportDescriptor>());
   }
   if (mode == "localhost-only") {

@@ -7,8 +7,9 @@
 // MODE: subnet (as ROS 2 by default), localhost (ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST),
 // localhost-only (ROS_LOCALHOST_ONLY=1 in Humble), or udp (subnet without shared memory, which a
 // killed process would leave behind), latched (udp, and Twists that were sent before), best-effort
-// (udp, and scans that are not sent again). With localhost, ROS_STATIC_PEERS has an address more.
-// GID_BYTES: says the nodes of ros_discovery_info, too.
+// (udp, and scans that are not sent again), one-scan (udp, and one scan, transient local), or a
+// policy that commands do not offer: deadline, liveliness, lease. With localhost, ROS_STATIC_PEERS
+// has an address more. GID_BYTES: says the nodes of ros_discovery_info, too.
 #include <signal.h>
 
 #include <cstdio>
@@ -73,6 +74,20 @@ bool is_over(const sigset_t& signals) {
   return ::sigtimedwait(&signals, nullptr, &tick) > 0;
 }
 
+/// What the subscriber of commands requests in a mode.
+void request(const std::string& mode, DataReaderQos& qos) {
+  using eprosima::fastrtps::Duration_t;
+  if (mode == "latched") {
+    qos.durability().kind = TRANSIENT_LOCAL_DURABILITY_QOS;
+  } else if (mode == "deadline") {
+    qos.deadline().period = Duration_t(0.1);
+  } else if (mode == "liveliness") {
+    qos.liveliness().kind = MANUAL_BY_TOPIC_LIVELINESS_QOS;
+  } else if (mode == "lease") {
+    qos.liveliness().lease_duration = Duration_t(1.0);
+  }
+}
+
 int run(int argc, char** argv) {
   if (argc < 3) {
     throw std::runtime_error("write fastdds_peer DOMAIN MODE [GID_BYTES]");
@@ -87,15 +102,16 @@ int run(int argc, char** argv) {
   std::unique_ptr<DataReaderListener> nodes;
   Peer peer(static_cast<std::uint32_t>(std::atoi(argv[1])), argv[2]);
   DataWriterQos scan_qos = endpoint_qos(DATAWRITER_QOS_DEFAULT);
-  if (std::string(argv[2]) == "best-effort") {
+  const std::string mode = argv[2];
+  if (mode == "best-effort") {
     scan_qos.reliability().kind = BEST_EFFORT_RELIABILITY_QOS;
+  } else if (mode == "one-scan") {
+    scan_qos.durability().kind = TRANSIENT_LOCAL_DURABILITY_QOS;
   }
   DataWriter* scans =
       peer.publisher()->create_datawriter(peer.topic<LaserScan>("rt/scan"), scan_qos);
   DataReaderQos twist_qos = endpoint_qos(DATAREADER_QOS_DEFAULT);
-  if (std::string(argv[2]) == "latched") {
-    twist_qos.durability().kind = TRANSIENT_LOCAL_DURABILITY_QOS;
-  }
+  request(mode, twist_qos);
   peer.subscriber()->create_datareader(peer.topic<Twist>("rt/cmd_vel"), twist_qos, &twists);
   Listener<Log> logs([](const Log& log, const SampleInfo&) {
     std::printf("log %d %s: %s\n", log.level, log.name.c_str(), log.text.c_str());
@@ -109,7 +125,9 @@ int run(int argc, char** argv) {
   std::fflush(stdout);
   for (int number = 0; !is_over(signals); ++number) {
     LaserScan message = scan(number);
-    scans->write(&message);
+    if (mode != "one-scan" || number == 0) {
+      scans->write(&message);
+    }
   }
   return 0;
 }

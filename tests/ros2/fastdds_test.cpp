@@ -147,6 +147,19 @@ TEST_F(FastDdsTest, gets_what_was_latched_before) {
   EXPECT_EQ(other->output().find("0.125"), std::string::npos);
 }
 
+TEST_F(FastDdsTest, brings_a_scan_that_was_latched_before) {
+  const auto other = robot("one-scan");
+  Session session({.node_name = "brain", .place = domain_.place()});
+  for (const std::uint32_t queue : {0U, 1U, 10U}) {
+    Heard heard;
+    auto subscription = heard.subscription("/scan", "sensor_msgs/LaserScan", queue);
+    subscription.latched = true;
+    const auto scans = session.subscriber(subscription);
+    ASSERT_TRUE(eventually(kLong, [&] { return heard.count() > 0; })) << "queue " << queue;
+    EXPECT_EQ(value_at<std::int32_t>(heard.messages()[0], 0), 0);
+  }
+}
+
 TEST_F(FastDdsTest, gets_what_was_logged_before) {
   Session session({.node_name = "brain", .place = domain_.place()});
   const topics::Rosout rosout(session);

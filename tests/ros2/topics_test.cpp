@@ -107,19 +107,108 @@ TEST_F(TopicsTest, has_lost_messages_sent_again_when_every_one_is_wanted) {
   EXPECT_LT(newest.count(), kMessages) << "nothing was lost on the way";
 }
 
-TEST_F(TopicsTest, has_what_was_published_before_when_both_are_latched) {
+/// A topic with a publisher that is latched, and one that is not.
+class LatchedTest : public TopicsTest, public testing::WithParamInterface<std::uint32_t> {
+ protected:
+  std::unique_ptr<topics::RawPublisher> latched() {
+    return robot_.publisher("/in", "std_msgs/String", 10, true);
+  }
+  std::unique_ptr<topics::RawPublisher> ordinary() {
+    return robot_.publisher("/in", "std_msgs/String");
+  }
+  std::unique_ptr<topics::RawSubscriber> subscribe() {
+    auto subscription = heard_.subscription("/in", "std_msgs/String", GetParam());
+    subscription.latched = true;
+    return brain_.subscriber(subscription);
+  }
+  void publish(topics::RawPublisher& publisher, std::uint32_t number) {
+    publisher.publish(message_of(pattern(16, number)));
+  }
+  /// The seeds of what has come, 1 to 9.
+  std::vector<std::uint32_t> numbers() const {
+    std::vector<std::uint32_t> result;
+    for (const Bytes& message : heard_.messages()) {
+      for (std::uint32_t number = 1; number < 10; ++number) {
+        if (fields_of(message) == pattern(16, number)) {
+          result.push_back(number);
+        }
+      }
+    }
+    return result;
+  }
+  bool come(const std::vector<std::uint32_t>& wanted) {
+    return eventually(kLong, [&] { return numbers() == wanted; });
+  }
+};
+
+TEST_P(LatchedTest, brings_what_was_published_before) {
+  const auto publisher = latched();
+  publish(*publisher, 1);
+  const auto subscriber = subscribe();
+  ASSERT_TRUE(come({1}));
+  publish(*publisher, 2);
+  EXPECT_TRUE(come({1, 2}));
+  EXPECT_TRUE(subscriber->latched());
+  EXPECT_EQ(subscriber->lost(), 0U);
+}
+
+TEST_P(LatchedTest, brings_what_a_later_publisher_has_published_at_once) {
+  const auto subscriber = subscribe();
+  const auto publisher = latched();
+  publish(*publisher, 1);
+  EXPECT_TRUE(come({1}));
+}
+
+TEST_P(LatchedTest, asks_an_ordinary_publisher_for_nothing) {
+  const auto other = ordinary();
+  ASSERT_TRUE(eventually(kLong, [&] { return brain_.has_publishers("/in"); }));
+  const auto publisher = latched();
+  publish(*publisher, 1);
+  const auto subscriber = subscribe();
+  const auto come_of = [&](topics::RawPublisher& from, std::uint32_t number) {
+    return eventually(kLong, [&] {
+      publish(from, number);
+      return !numbers().empty() && numbers().back() == number;
+    });
+  };
+  EXPECT_TRUE(come_of(*publisher, 2));
+  EXPECT_TRUE(come_of(*other, 3));
+  EXPECT_EQ(numbers().front(), 2U);
+  EXPECT_EQ(other->misfit(), "");
+  EXPECT_FALSE(subscriber->latched());
+}
+
+TEST_P(LatchedTest, stays_connected_when_an_ordinary_publisher_comes_and_leaves) {
+  const auto publisher = latched();
+  publish(*publisher, 1);
+  const auto subscriber = subscribe();
+  ASSERT_TRUE(come({1}));
+  auto other = ordinary();
+  ASSERT_TRUE(eventually(kLong, [&] { return !subscriber->latched(); }));
+  wait_for_match(*other, *subscriber);
+  publish(*other, 2);
+  ASSERT_TRUE(come({1, 2}));
+  publish(*publisher, 3);
+  ASSERT_TRUE(come({1, 2, 3}));
+  other.reset();
+  Session late_robot(settings("late_robot"));
+  const auto late = late_robot.publisher("/in", "std_msgs/String", 1, true);
+  publish(*late, 4);
+  EXPECT_TRUE(come({1, 2, 3, 4})) << "repeated, or lost";
+  publish(*publisher, 5);
+  EXPECT_TRUE(come({1, 2, 3, 4, 5}));
+}
+
+INSTANTIATE_TEST_SUITE_P(Queues, LatchedTest, testing::Values(0U, 1U, 10U));
+
+TEST_F(TopicsTest, brings_nothing_of_before_to_who_does_not_want_it) {
   const auto publisher = robot_.publisher("/in", "std_msgs/String", 1, true);
   publisher->publish(message_of(pattern(16, 1)));
+  const auto subscriber = brain_.subscriber(heard_.subscription("/in", "std_msgs/String", 1));
+  wait_for_match(*publisher, *subscriber);
   publisher->publish(message_of(pattern(16, 2)));
-  Heard late;
-  auto subscription = late.subscription("/in", "std_msgs/String", 10);
-  subscription.latched = true;
-  const auto subscriber = brain_.subscriber(subscription);
-  ASSERT_TRUE(eventually(kLong, [&] { return late.count() == 1; }));
-  EXPECT_EQ(fields_of(late.messages()[0]), pattern(16, 2));
-  publisher->publish(message_of(pattern(16, 3)));
-  ASSERT_TRUE(eventually(kLong, [&] { return late.count() == 2; }));
-  EXPECT_EQ(fields_of(late.messages()[1]), pattern(16, 3));
+  ASSERT_TRUE(eventually(kLong, [&] { return heard_.count() > 0; }));
+  EXPECT_EQ(fields_of(heard_.messages().front()), pattern(16, 2));
 }
 
 TEST_F(TopicsTest, knows_who_is_there) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 
 namespace spikeloop::ros2 {
@@ -57,8 +58,11 @@ void Dispatcher::run() {
   while (!ending_.load()) {
     const dds_return_t count =
         dds_waitset_wait(waitset_, tickets.data(), tickets.size(), DDS_INFINITY);
-    for (std::size_t i = 0; i < std::min<std::size_t>(count < 0 ? 0 : count, tickets.size()); ++i) {
-      if (const auto work = find(tickets[i])) {
+    const auto ready =
+        std::span(tickets).first(std::min<std::size_t>(count < 0 ? 0 : count, tickets.size()));
+    std::ranges::sort(ready);
+    for (const Ticket ticket : ready) {
+      if (const auto work = find(ticket)) {
         work->call();
       }
     }

@@ -27,7 +27,8 @@ class Dispatcher {
 
   /// Ends the thread: nothing is done any more.
   void stop();
-  /// From now on `work` is done whenever `condition` holds; it has to end that.
+  /// From now on `work` is done whenever `condition` holds; it has to end that. If several
+  /// conditions hold, the one that was added first is served first: discovery, then messages.
   Ticket add(dds_entity_t condition, std::function<void()> work);
   /// Waits while the work is being done; it is not done any more afterwards.
   void remove(Ticket ticket, dds_entity_t condition);

@@ -46,13 +46,13 @@ Graph::Listener Graph::listen(const std::string& dds_topic, Seen seen) {
   const std::lock_guard lock(mutex_);
   listeners_[++last_] = {
       .topic = dds_topic,
-      .seen = std::make_shared<topics::Closable<const Writer&>>(std::move(seen))};
+      .seen = std::make_shared<topics::Closable<const Writer&, bool>>(std::move(seen))};
   dds_set_guardcondition(fresh_, true);
   return last_;
 }
 
 void Graph::forget(Listener listener) {
-  std::shared_ptr<topics::Closable<const Writer&>> seen;
+  std::shared_ptr<topics::Closable<const Writer&, bool>> seen;
   {
     const std::lock_guard lock(mutex_);
     seen = listeners_.at(listener).seen;
@@ -72,41 +72,47 @@ std::vector<Writer> Graph::writers(const std::string& dds_topic) const {
   return found;
 }
 
+/// Records all of them before it calls a listener: a listener sees the whole topic.
 void Graph::take_news() {
   std::array<void*, 16> samples{};
   std::array<dds_sample_info_t, 16> infos{};
   const dds_return_t count =
       dds_take(reader_, samples.data(), infos.data(), samples.size(), samples.size());
+  std::vector<std::pair<Writer, bool>> news;
   for (dds_return_t i = 0; i < count; ++i) {
-    take_sample(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]), infos[i]);
+    record(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]), infos[i], news);
   }
   if (count > 0) {
     dds_return_loan(reader_, samples.data(), count);
   }
+  for (const auto& [writer, alive] : news) {
+    tell(writer, alive);
+  }
 }
 
-void Graph::take_sample(const dds_builtintopic_endpoint_t& endpoint,
-                        const dds_sample_info_t& info) {
+void Graph::record(const dds_builtintopic_endpoint_t& endpoint, const dds_sample_info_t& info,
+                   std::vector<std::pair<Writer, bool>>& news) {
+  const std::lock_guard lock(mutex_);
   if (!info.valid_data || info.instance_state != DDS_IST_ALIVE) {
-    const std::lock_guard lock(mutex_);
-    writers_.erase(info.instance_handle);
+    if (const auto left = writers_.extract(info.instance_handle); !left.empty()) {
+      news.emplace_back(left.mapped(), false);
+    }
     return;
   }
   const Writer writer{.topic = endpoint.topic_name,
                       .type = endpoint.type_name,
                       .user_data = user_data_of(endpoint.qos),
                       .reliable = is_reliable(endpoint.qos),
+                      .latched = is_latched(endpoint.qos),
+                      .handle = info.instance_handle,
                       .guid = endpoint.key,
                       .participant = endpoint.participant_key};
-  {
-    const std::lock_guard lock(mutex_);
-    writers_[info.instance_handle] = writer;
-  }
-  tell(writer);
+  writers_[info.instance_handle] = writer;
+  news.emplace_back(writer, true);
 }
 
-void Graph::tell(const Writer& writer) {
-  std::vector<std::shared_ptr<topics::Closable<const Writer&>>> told;
+void Graph::tell(const Writer& writer, bool alive) {
+  std::vector<std::shared_ptr<topics::Closable<const Writer&, bool>>> told;
   {
     const std::lock_guard lock(mutex_);
     for (const auto& [id, listening] : listeners_) {
@@ -116,13 +122,13 @@ void Graph::tell(const Writer& writer) {
     }
   }
   for (const auto& seen : told) {
-    seen->call(writer);
+    seen->call(writer, alive);
   }
 }
 
 void Graph::tell_fresh() {
   dds_set_guardcondition(fresh_, false);
-  std::vector<std::pair<std::shared_ptr<topics::Closable<const Writer&>>, Writer>> told;
+  std::vector<std::pair<std::shared_ptr<topics::Closable<const Writer&, bool>>, Writer>> told;
   {
     const std::lock_guard lock(mutex_);
     for (auto& [id, listening] : listeners_) {
@@ -135,7 +141,7 @@ void Graph::tell_fresh() {
     }
   }
   for (const auto& [seen, writer] : told) {
-    seen->call(writer);
+    seen->call(writer, true);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "dispatcher.hpp"
@@ -16,12 +17,15 @@
 
 namespace spikeloop::ros2 {
 
-/// Somebody's writer, as discovery tells it.
+/// Writer of any participant, as discovery reports it.
 struct Writer {
   std::string topic;      ///< in DDS
   std::string type;       ///< in DDS
   std::string user_data;  ///< ROS 2 since Iron: "typehash=RIHS01_...;"
   bool reliable = true;
+  bool latched =
+      false;  ///< reliable, and sends its newest messages to late readers that ask for them
+  dds_instance_handle_t handle = 0;  ///< the publication handle of its messages
   dds_guid_t guid{};
   dds_guid_t participant{};
 };
@@ -30,7 +34,7 @@ bool is_same(const dds_guid_t& a, const dds_guid_t& b);
 
 class Graph {
  public:
-  using Seen = std::function<void(const Writer&)>;
+  using Seen = std::function<void(const Writer&, bool alive)>;
   using Listener = std::uint64_t;
 
   Graph(dds_entity_t participant, Dispatcher& dispatcher);
@@ -38,8 +42,8 @@ class Graph {
   Graph(const Graph&) = delete;
   Graph& operator=(const Graph&) = delete;
 
-  /// `seen` is told of every writer of a topic, those that are there already too, in the session's
-  /// thread.
+  /// Calls `seen` in the session's thread for every writer of a topic, also for the existing ones,
+  /// and with `alive` false when a writer has left.
   Listener listen(const std::string& dds_topic, Seen seen);
   /// Waits for a call that is running; none runs afterwards.
   void forget(Listener listener);
@@ -49,13 +53,14 @@ class Graph {
  private:
   struct Listening {
     std::string topic;
-    std::shared_ptr<topics::Closable<const Writer&>> seen;
+    std::shared_ptr<topics::Closable<const Writer&, bool>> seen;
     bool fresh = true;  ///< has not been told of those that were there before
   };
 
   void take_news();
-  void take_sample(const dds_builtintopic_endpoint_t& endpoint, const dds_sample_info_t& info);
-  void tell(const Writer& writer);
+  void record(const dds_builtintopic_endpoint_t& endpoint, const dds_sample_info_t& info,
+              std::vector<std::pair<Writer, bool>>& news);
+  void tell(const Writer& writer, bool alive);
   void tell_fresh();
 
   Dispatcher& dispatcher_;

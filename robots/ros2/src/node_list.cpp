@@ -98,7 +98,11 @@ NodeList::NodeList(dds_entity_t participant, const RawTopic& topic, Graph& graph
   if (gid_bytes_) {
     begin();
   }
-  listener_ = graph_.listen(kTopic, [this](const Writer& writer) { hear_of(writer); });
+  listener_ = graph_.listen(kTopic, [this](const Writer& writer, bool alive) {
+    if (alive) {
+      hear_of(writer);
+    }
+  });
 }
 
 NodeList::~NodeList() {

@@ -72,4 +72,9 @@ bool is_reliable(const dds_qos_t* qos) {
   return dds_qget_reliability(qos, &kind, &blocking) && kind == DDS_RELIABILITY_RELIABLE;
 }
 
+bool is_latched(const dds_qos_t* qos) {
+  dds_durability_kind_t kind = DDS_DURABILITY_VOLATILE;
+  return is_reliable(qos) && dds_qget_durability(qos, &kind) && kind != DDS_DURABILITY_VOLATILE;
+}
+
 }  // namespace spikeloop::ros2

@@ -26,5 +26,8 @@ Qos writer_qos(std::uint32_t queue, bool latched, const std::string& user_data);
 Qos reader_qos(std::uint32_t queue, bool reliable, bool latched, const std::string& user_data);
 
 bool is_reliable(const dds_qos_t* qos);
+/// True if a late subscriber receives what was published before: reliable, and transient local or
+/// more.
+bool is_latched(const dds_qos_t* qos);
 
 }  // namespace spikeloop::ros2

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "qos.hpp"
 #include "spikeloop/core/error.hpp"
@@ -32,9 +34,10 @@ std::string type_hash_in(const std::string& user_data) {
   return known ? hash : std::string();
 }
 
-/// From the first message on. What is latched is one message, and no later one makes up for it.
-bool is_reliable(const topics::Subscription& subscription) {
-  return subscription.queue == 0 || subscription.latched;
+/// The only one for most publishers. To one that is best effort, ROS 2 warns of a reliable reader,
+/// so that a reliable reader is there from the beginning only where every message counts.
+Level first_level(const topics::Subscription& subscription) {
+  return subscription.queue == 0 ? Level::reliable : Level::best_effort;
 }
 
 }  // namespace
@@ -45,17 +48,11 @@ Subscriber::Subscriber(Session::Impl& session, const Endpoint& endpoint,
       endpoint_(endpoint),
       subscription_(std::move(subscription)),
       topic_(session.participant.entity(), endpoint.dds_name(), endpoint.dds_type_name()),
-      reader_(session, topic_,
-              reader_qos(subscription_.queue, is_reliable(subscription_), subscription_.latched,
-                         endpoint.user_data),
-              Writers::any, [this](auto message) { take(message); }) {
-  if (subscription_.queue == 0) {
-    other_.emplace(session, topic_, reader_qos(0, false, false, endpoint.user_data),
-                   Writers::best_effort, [this](auto message) { take(message); });
-  }
+      sources_(subscription_) {
+  add_reader(first_level(subscription_));
   session_.acquaintance.subscribe(endpoint_.dds_name(), endpoint_.dds_type_name());
-  listener_ = session_.graph.listen(endpoint_.dds_name(),
-                                    [this](const Writer& writer) { look_at(writer); });
+  listener_ = session_.graph.listen(
+      endpoint_.dds_name(), [this](const Writer& writer, bool alive) { look_at(writer, alive); });
 }
 
 Subscriber::~Subscriber() {
@@ -65,15 +62,19 @@ Subscriber::~Subscriber() {
 
 bool Subscriber::has_publishers() const {
   const std::lock_guard lock(mutex_);
-  return reader_.has_writers() || (other_ && other_->has_writers());
+  return std::ranges::any_of(readers_,
+                             [](const auto& entry) { return entry.second->has_writers(); });
 }
 
 std::optional<std::uint64_t> Subscriber::lost() const {
-  const std::lock_guard lock(mutex_);
-  return reader_.lost() + (other_ ? other_->lost() : 0);
+  return sources_.lost(session_.left ? nullptr : topic_.type);
 }
 
-void Subscriber::take(std::span<const std::byte> message) {
+void Subscriber::take(Level level, const TakenMessage& taken) {
+  if (!sources_.accept(level, taken.writer(), taken.number())) {
+    return;
+  }
+  const std::span<const std::byte> message = taken.message();
   if (is_plain_little_endian(message)) {
     subscription_.take(message);
   } else if (!std::exchange(complained_, true)) {
@@ -85,13 +86,37 @@ void Subscriber::take(std::span<const std::byte> message) {
   }
 }
 
-void Subscriber::look_at(const Writer& writer) {
+void Subscriber::look_at(const Writer& writer, bool alive) {
+  if (writer.type == endpoint_.dds_type_name()) {
+    for (const Writer& other : session_.graph.writers(endpoint_.dds_name())) {
+      if (other.type == writer.type) {
+        sources_.update(other, true);
+      }
+    }
+    if (!alive) {
+      sources_.update(writer, false);
+    }
+    const std::vector<Level> levels = sources_.levels();
+    for (const Level level : levels) {
+      add_reader(level);
+    }
+    // A volatile publisher warns of a reader that requests what was published before.
+    if (std::ranges::find(levels, Level::latched) == levels.end()) {
+      remove_reader(Level::latched);
+    }
+    if (alive && sources_.level_of(writer.handle) == Level::reliable) {
+      readers_.at(Level::reliable)->meet(writer);
+    }
+  }
+  if (alive) {
+    look_at_type(writer);
+  }
+}
+
+void Subscriber::look_at_type(const Writer& writer) {
   if (writer.type != endpoint_.dds_type_name()) {
     refuse(topics::other_type(endpoint_.topic, ros_type(writer.type), endpoint_.message_type));
     return;
-  }
-  if (writer.reliable && !subscription_.latched) {
-    read_reliably(writer);
   }
   const std::string theirs = type_hash_in(writer.user_data);
   const std::string ours = type_hash_in(endpoint_.user_data);
@@ -103,24 +128,23 @@ void Subscriber::look_at(const Writer& writer) {
   }
 }
 
-/// Where it is no matter of the first message, a reliable reader comes with the first publisher for
-/// it: to one that is best effort, ROS 2 says that such a reader does not fit.
-void Subscriber::read_reliably(const Writer& writer) {
-  if (is_reliable(subscription_)) {
-    reader_.meet(writer);
+void Subscriber::add_reader(Level level) {
+  if (readers_.contains(level)) {
     return;
   }
-  if (!subscription_.reliable) {
-    return;
-  }
-  if (!other_) {
-    const std::lock_guard lock(mutex_);
-    reader_.restrict_to(Writers::best_effort);
-    other_.emplace(session_, topic_,
-                   reader_qos(subscription_.queue, true, false, endpoint_.user_data), Writers::any,
-                   [this](auto message) { take(message); });
-  }
-  other_->meet(writer);
+  auto reader =
+      std::make_unique<Reader>(session_, topic_,
+                               reader_qos(subscription_.queue, level != Level::best_effort,
+                                          level == Level::latched, endpoint_.user_data),
+                               [this, level](const TakenMessage& taken) { take(level, taken); });
+  const std::lock_guard lock(mutex_);
+  readers_.emplace(level, std::move(reader));
+}
+
+void Subscriber::remove_reader(Level level) {
+  std::unique_lock lock(mutex_);
+  const auto removed = readers_.extract(level);
+  lock.unlock();
 }
 
 void Subscriber::refuse(const topics::OtherType& other) {

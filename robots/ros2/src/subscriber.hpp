@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 
 #include "reader.hpp"
 #include "session_impl.hpp"
+#include "sources.hpp"
 
 namespace spikeloop::ros2 {
 
@@ -17,12 +20,15 @@ class Subscriber final : public topics::RawSubscriber {
   ~Subscriber() override;
 
   bool has_publishers() const override;
+  bool latched() const override { return sources_.all_latched(); }
   std::optional<std::uint64_t> lost() const override;
 
  private:
-  void take(std::span<const std::byte> message);
-  void look_at(const Writer& writer);
-  void read_reliably(const Writer& writer);
+  void take(Level level, const TakenMessage& taken);
+  void look_at(const Writer& writer, bool alive);
+  void look_at_type(const Writer& writer);
+  void add_reader(Level level);
+  void remove_reader(Level level);
   void refuse(const topics::OtherType& other);
 
   Session::Impl& session_;
@@ -30,10 +36,10 @@ class Subscriber final : public topics::RawSubscriber {
   topics::Subscription subscription_;
   RawTopic topic_;
   bool complained_ = false;
-  mutable Reader reader_;  // it remembers what it has counted
-  mutable std::mutex mutex_;
-  /// For publishers that are best effort beside a reliable one, or the other way round.
-  mutable std::optional<Reader> other_{};
+  mutable Sources sources_;  // it remembers what it has counted
+  mutable std::mutex mutex_{};
+  /// By level: one from the beginning, others when a writer needs them.
+  std::map<Level, std::unique_ptr<Reader>> readers_{};
   Graph::Listener listener_ = 0;
 };
 

@@ -70,6 +70,7 @@ std::unique_ptr<topics::RawSubscriber> CommandTopics::subscribe(
   return session.subscriber({.topic = topic,
                              .message_type = message_type,
                              .queue = queue,
+                             .latched = queue == kEveryPress,
                              .take = [this, take](auto message) { (this->*take)(message); },
                              .refuse =
                                  [this](const topics::OtherType& other) {

@@ -40,7 +40,7 @@ TopicReader::TopicReader(Session& session, const TopicReaderSettings& settings, 
                                     .message_type = settings_.type,
                                     .queue = settings_.queue,
                                     .reliable = settings_.reliable,
-                                    .latched = settings_.latched(),
+                                    .latched = settings_.takes_latched(),
                                     .take = [this](auto message) { receive(message); },
                                     .refuse = [this](const auto& other) { refuse(other); }});
 }
@@ -103,7 +103,7 @@ void TopicReader::mind_silence(TimeNs now, TimeNs newest_at) {
     nothing_arrives_whole();  // what is announced counts from the first look on
   }
   bool& told = newest_at == 0 ? told_nothing_came_ : told_nothing_comes_;
-  if (told || (newest_at != 0 && settings_.latched()) ||
+  if (told || (newest_at != 0 && subscriber_->latched()) ||
       now - std::max(started_, newest_at) < kPatience) {
     return;
   }

@@ -27,8 +27,9 @@ struct TopicReaderSettings {
   bool reliable = false;            ///< as Subscription has it
   std::function<void()> arrived{};  ///< in the session's thread, after every message
 
-  /// Where every publisher says once what never changes (REP 105, tf2).
-  bool latched() const { return topic == "/tf_static" || topic == "tf_static"; }
+  /// Whether messages from before the subscription are taken. A robot that is stepped counts its
+  /// messages from the start of a run, except for frames that never change (REP 105, tf2).
+  bool takes_latched() const { return queue != 0 || topic == "/tf_static" || topic == "tf_static"; }
 };
 
 /// Subscribes and hands messages on; remembers what is wrong until the loop asks.

@@ -49,6 +49,9 @@ class RawSubscriber {
   /// comes, or after a second without one. What is heard of is looked at here: while nothing comes,
   /// it is to be asked from time to time.
   virtual std::optional<std::uint64_t> lost() const { return std::nullopt; }
+  /// True if its publishers send their newest message to late subscribers, so that a publisher that
+  /// is silent has nothing new.
+  virtual bool latched() const { return false; }
 };
 
 /// What a topic carries in place of what was subscribed to.
@@ -71,8 +74,8 @@ struct Subscription {
   /// a lost one wait for it, and a publisher may wait for a process that is stopped: not for small
   /// messages whose next one is better than a late one.
   bool reliable = false;
-  /// What was published before, too, by those that are latched. ROS 2: others are not heard; ROS 1
-  /// asks nobody, and hears all of them.
+  /// Also what was published before. ROS 2: as long as all publishers of the topic offer it
+  /// (transient local); ROS 1 sends it to every subscriber.
   bool latched = false;
   /// Called in a thread of the session the moment a message of this type has arrived; the bytes are
   /// valid until it returns. Must not throw.
