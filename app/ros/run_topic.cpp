@@ -1,5 +1,8 @@
 // What all adapters have in common that read a topic.
+#include <algorithm>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "programs.hpp"
 #include "spikeloop/core/log.hpp"
@@ -19,7 +22,11 @@ int run_topic(music::Process& process, const Section& section, Source& sensor, S
   process.attach_recorders(description);
   Graph graph(description);
   hooks.after_loop = [&] {
-    if (sensor.counters().front().value == 0) {
+    const std::vector<Counter> counters = sensor.counters();
+    const bool other_type = std::ranges::any_of(counters, [](const Counter& counter) {
+      return std::string_view(counter.name) == "wrong_type" && counter.value != 0;
+    });
+    if (counters.front().value == 0 && !other_type) {
       log::warning("no message arrived on topic '{}'; '{} list' shows what there is",
                    topics::renamed(section.node.parameters.text("topic"), section.ros.arguments),
                    topics::topic_command(section.ros.ros));

@@ -306,9 +306,13 @@ const char* how_to_look(experiment::Ros ros) {
 void warn_of_silence(const Experiment& experiment, const Transport& transport,
                      const json& summary) {
   for (const auto& node : experiment.nodes) {
-    const std::string counter = node.name + ".messages";
-    if (experiment::takes_messages(node.kind) && summary.contains("counters") &&
-        summary["counters"].value(counter, std::uint64_t{1}) == 0) {
+    const auto count = [&](const char* name, std::uint64_t missing) {
+      return summary.contains("counters") ? summary["counters"].value(node.name + name, missing)
+                                          : missing;
+    };
+    // Another type on the topic has its own message.
+    if (experiment::takes_messages(node.kind) && count(".messages", 1) == 0 &&
+        count(".wrong_type", 0) == 0) {
       log::warning("no message arrived on topic '{}'{}",
                    transport.whole_topic(node.parameters.text("topic")),
                    how_to_look(experiment.ros));

@@ -74,8 +74,8 @@ def domain():
 @contextlib.contextmanager
 def place(version, scratch):
     """Where nodes of this version meet."""
-    with master(scratch) if version == "1" else domain():
-        yield
+    with master(scratch) if version == "1" else domain() as where:
+        yield where
 
 
 @contextlib.contextmanager

@@ -147,6 +147,35 @@ TEST_F(FastDdsTest, gets_what_was_latched_before) {
   EXPECT_EQ(other->output().find("0.125"), std::string::npos);
 }
 
+/// A mode of the robot, and what its subscriber of commands requests.
+struct Misfit {
+  const char* mode;
+  const char* text;
+};
+class MisfitTest : public FastDdsTest, public testing::WithParamInterface<Misfit> {};
+
+TEST_P(MisfitTest, is_reported_to_the_publisher) {
+  Session session({.node_name = "brain", .place = domain_.place()});
+  const auto commands = session.publisher("/cmd_vel", "geometry_msgs/Twist");
+  EXPECT_EQ(commands->misfit(), "");
+  {
+    const auto other = robot(GetParam().mode);
+    EXPECT_TRUE(eventually(kLong, [&] { return commands->misfit() == GetParam().text; }))
+        << commands->misfit();
+    EXPECT_FALSE(commands->has_subscribers());
+    other->signal(SIGTERM);
+    other->wait();
+  }
+  EXPECT_TRUE(eventually(kLong, [&] { return commands->misfit().empty(); }));
+}
+INSTANTIATE_TEST_SUITE_P(
+    Policies, MisfitTest,
+    testing::Values(Misfit{"latched", "durability transient local, and this one is volatile"},
+                    Misfit{"deadline", "a deadline of 100 ms, and this one has none"},
+                    Misfit{"liveliness", "liveliness by topic, and this one's is automatic"},
+                    Misfit{"lease", "a liveliness lease of 1 s, and this one has none"}),
+    [](const auto& test) { return std::string(test.param.mode); });
+
 TEST_F(FastDdsTest, brings_a_scan_that_was_latched_before) {
   const auto other = robot("one-scan");
   Session session({.node_name = "brain", .place = domain_.place()});

@@ -352,6 +352,35 @@ TEST_F(TopicsTest, says_which_other_type_a_topic_carries) {
   EXPECT_EQ(heard_.count(), 0U);
 }
 
+/// Identities of 24 and of 16 bytes in the lists of nodes.
+TEST_F(TopicsTest, knows_names_and_types_of_subscribers) {
+  for (const char* const distribution : {"humble", "jazzy"}) {
+    topics::SessionSettings named = settings("base");
+    named.arguments = {{"__ns", "/left"}};
+    named.place["ROS_DISTRO"] = distribution;
+    Session base(named);
+    const auto one = base.subscriber(heard_.subscription("/go", "geometry_msgs/TwistStamped", 1));
+    const auto other = base.subscriber(heard_.subscription("/scan", "sensor_msgs/LaserScan", 1));
+    Session brain(settings("brain"));
+    const auto named_base = [&] {
+      const auto found = brain.subscribers("/go");
+      return found.size() == 1 && found[0].node == "/left/base";
+    };
+    ASSERT_TRUE(eventually(kLong, named_base)) << distribution;
+    EXPECT_EQ(brain.subscribers("/go")[0].type, "geometry_msgs/TwistStamped");
+  }
+}
+
+TEST_F(TopicsTest, names_the_publisher_of_another_type) {
+  topics::SessionSettings named = settings("base");
+  named.place["ROS_DISTRO"] = "jazzy";
+  Session base(named);
+  const auto publisher = base.publisher("/in", "geometry_msgs/Twist");
+  const auto subscriber = brain_.subscriber(heard_.subscription("/in", "sensor_msgs/LaserScan", 1));
+  ASSERT_TRUE(eventually(kLong, [&] { return heard_.refusals().size() == 1; }));
+  EXPECT_TRUE(eventually(kLong, [&] { return heard_.refusals()[0].node() == "/base"; }));
+}
+
 /// A user's own definition, in a folder as ROS wants it.
 std::string message_file(const std::filesystem::path& folder, const std::string& text) {
   std::filesystem::create_directories(folder / "test_msgs/msg");

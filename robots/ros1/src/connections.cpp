@@ -12,8 +12,14 @@ namespace {
 
 using XmlRpc::XmlRpcValue;
 
-/// The names of the nodes that publish a topic.
-std::vector<std::string> publishers_of(const std::string& self, const std::string& topic) {
+/// Type of a subscriber that takes every type, such as rostopic.
+constexpr const char* kAnyType = "*";
+
+/// Indices of the lists in the master's answer.
+enum class Side { publishers = 0, subscribers = 1 };
+
+/// Names of the nodes that publish a topic, or subscribe to it.
+std::vector<std::string> nodes_of(const std::string& self, const std::string& topic, Side side) {
   XmlRpcValue request;
   XmlRpcValue response;
   XmlRpcValue state;  // publishers, subscribers, services
@@ -22,7 +28,7 @@ std::vector<std::string> publishers_of(const std::string& self, const std::strin
   if (!ros::master::execute("getSystemState", request, response, state, false)) {
     return nodes;
   }
-  XmlRpcValue& topics = state[0];
+  XmlRpcValue& topics = state[static_cast<int>(side)];
   for (int i = 0; i < topics.size(); ++i) {
     if (static_cast<std::string&>(topics[i][0]) != topic) {
       continue;
@@ -34,8 +40,8 @@ std::vector<std::string> publishers_of(const std::string& self, const std::strin
   return nodes;
 }
 
-/// The connections of a node; of another type when it does not answer.
-XmlRpcValue connections_of(const std::string& self, const std::string& node) {
+/// Answer of a node to a call of its API; of another type when it does not answer.
+XmlRpcValue ask_node(const std::string& self, const std::string& node, const char* call) {
   XmlRpcValue request;
   XmlRpcValue response;
   XmlRpcValue uri;
@@ -50,9 +56,9 @@ XmlRpcValue connections_of(const std::string& self, const std::string& node) {
   const auto& manager = ros::XMLRPCManager::instance();
   XmlRpc::XmlRpcClient* client = manager->getXMLRPCClient(host, static_cast<int>(port), "/");
   XmlRpcValue asker;
-  XmlRpcValue answer;  // status, its text, connections
+  XmlRpcValue answer;  // status, its text, the value
   asker[0] = self;
-  const bool answered = client->execute("getBusInfo", asker, answer);
+  const bool answered = client->execute(call, asker, answer);
   manager->releaseXMLRPCClient(client);
   return answered && answer.getType() == XmlRpcValue::TypeArray && answer.size() == 3
              ? answer[2]
@@ -80,7 +86,7 @@ bool has_connection(XmlRpcValue connections, const std::string& subscriber,
 
 bool has_publishers(const std::string& self, const std::string& topic) {
   try {
-    return !publishers_of(self, topic).empty();
+    return !nodes_of(self, topic, Side::publishers).empty();
   } catch (const XmlRpc::XmlRpcException&) {
     return false;  // an answer of another form than ROS's
   }
@@ -88,9 +94,9 @@ bool has_publishers(const std::string& self, const std::string& topic) {
 
 bool publishers_know(const std::string& self, const std::string& topic) {
   try {
-    const std::vector<std::string> nodes = publishers_of(self, topic);
+    const std::vector<std::string> nodes = nodes_of(self, topic, Side::publishers);
     for (const std::string& node : nodes) {
-      if (!has_connection(connections_of(self, node), self, topic)) {
+      if (!has_connection(ask_node(self, node, "getBusInfo"), self, topic)) {
         return false;
       }
     }
@@ -98,6 +104,25 @@ bool publishers_know(const std::string& self, const std::string& topic) {
   } catch (const XmlRpc::XmlRpcException&) {
     return false;  // an answer of another form than ROS's
   }
+}
+
+std::vector<topics::Partner> subscribers(const std::string& self, const std::string& topic) {
+  std::vector<topics::Partner> partners;
+  try {
+    for (const std::string& node : nodes_of(self, topic, Side::subscribers)) {
+      XmlRpcValue topics = ask_node(self, node, "getSubscriptions");  // [topic, type], ...
+      const int count = topics.getType() == XmlRpcValue::TypeArray ? topics.size() : 0;
+      for (int i = 0; i < count; ++i) {
+        const auto& type = static_cast<std::string&>(topics[i][1]);
+        if (static_cast<std::string&>(topics[i][0]) == topic && type != kAnyType) {
+          partners.push_back({.node = node, .type = type});
+        }
+      }
+    }
+  } catch (const XmlRpc::XmlRpcException&) {
+    // An answer of another form than ROS's: the nodes before it are known.
+  }
+  return partners;
 }
 
 }  // namespace spikeloop::ros1

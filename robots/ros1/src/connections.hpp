@@ -2,6 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
+
+#include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::ros1 {
 
@@ -11,5 +14,9 @@ bool has_publishers(const std::string& self, const std::string& topic);
 /// As Session::publishers_know_us.
 /// @param self the name of our node
 bool publishers_know(const std::string& self, const std::string& topic);
+
+/// Subscribers of a topic with their types. They come from the nodes themselves: a subscriber of
+/// another type has no connection to a publisher.
+std::vector<topics::Partner> subscribers(const std::string& self, const std::string& topic);
 
 }  // namespace spikeloop::ros1

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -36,9 +37,11 @@ class RawSubscriber::Receiver {
     if (wanted_.refuse && entry(event, "md5sum") != md5_) {
       refuse(event);
     } else {
+      latched_ = entry(event, "latching") == "1";
       wanted_.take(event.getConstMessage()->bytes);
     }
   }
+  bool latched() const { return latched_; }
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
@@ -54,11 +57,15 @@ class RawSubscriber::Receiver {
   void refuse(const ros::MessageEvent<const RawMessage>& event) const {
     const std::string type = entry(event, "type");
     if (type == type_) {
-      wanted_.refuse({"", fmt::format("topic '{}' carries another version of {} (md5 sum {}, ours "
-                                      "is {}); its publisher must use the version of ROS Noetic",
-                                      wanted_.topic, type_, entry(event, "md5sum"), md5_)});
+      wanted_.refuse({.type = "",
+                      .text = fmt::format(
+                          "topic '{}' carries another version of {} (md5 sum {}, ours is {}); its "
+                          "publisher must use the version of ROS Noetic",
+                          wanted_.topic, type_, entry(event, "md5sum"), md5_),
+                      .node = [node = entry(event, "callerid")] { return node; }});
     } else {
-      wanted_.refuse(topics::other_type(wanted_.topic, type, type_));
+      wanted_.refuse(topics::other_type(wanted_.topic, type, type_,
+                                        [node = entry(event, "callerid")] { return node; }));
     }
   }
 
@@ -67,6 +74,7 @@ class RawSubscriber::Receiver {
   std::string md5_;
   std::mutex mutex_;
   bool closed_ = false;
+  std::atomic<bool> latched_{false};  ///< the publisher of the newest message
 };
 
 RawSubscriber::RawSubscriber(ros::NodeHandle& node, topics::Subscription subscription) {
@@ -96,6 +104,10 @@ RawSubscriber::RawSubscriber(ros::NodeHandle& node, topics::Subscription subscri
 RawSubscriber::~RawSubscriber() {
   subscriber_.shutdown();
   receiver_->close();
+}
+
+bool RawSubscriber::latched() const {
+  return receiver_->latched();
 }
 
 bool RawSubscriber::has_publishers() const {

@@ -17,6 +17,7 @@ class RawSubscriber : public topics::RawSubscriber {
   ~RawSubscriber() override;
 
   bool has_publishers() const override;
+  bool latched() const override;
 
  private:
   class Receiver;

@@ -30,15 +30,21 @@ Graph::Graph(dds_entity_t participant, Dispatcher& dispatcher)
     : dispatcher_(dispatcher),
       reader_(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr)),
       news_(dds_create_readcondition(reader_, DDS_ANY_STATE)),
+      subscriptions_(
+          dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr)),
+      readers_news_(dds_create_readcondition(subscriptions_, DDS_ANY_STATE)),
       fresh_(dds_create_guardcondition(participant)) {
   news_ticket_ = dispatcher_.add(news_, [this] { take_news(); });
+  readers_ticket_ = dispatcher_.add(readers_news_, [this] { take_readers(); });
   fresh_ticket_ = dispatcher_.add(fresh_, [this] { tell_fresh(); });
 }
 
 Graph::~Graph() {
   dispatcher_.remove(news_ticket_, news_);
+  dispatcher_.remove(readers_ticket_, readers_news_);
   dispatcher_.remove(fresh_ticket_, fresh_);
   dds_delete(fresh_);
+  dds_delete(subscriptions_);
   dds_delete(reader_);
 }
 
@@ -59,6 +65,17 @@ void Graph::forget(Listener listener) {
     listeners_.erase(listener);
   }
   seen->close();
+}
+
+std::vector<OtherReader> Graph::readers(const std::string& dds_topic) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<OtherReader> found;
+  for (const auto& [handle, reader] : readers_) {
+    if (reader.topic == dds_topic) {
+      found.push_back(reader);
+    }
+  }
+  return found;
 }
 
 std::vector<Writer> Graph::writers(const std::string& dds_topic) const {
@@ -103,12 +120,35 @@ void Graph::record(const dds_builtintopic_endpoint_t& endpoint, const dds_sample
                       .type = endpoint.type_name,
                       .user_data = user_data_of(endpoint.qos),
                       .reliable = is_reliable(endpoint.qos),
+                      .misfit = offer_misfit(endpoint.qos),
                       .latched = is_latched(endpoint.qos),
                       .handle = info.instance_handle,
                       .guid = endpoint.key,
                       .participant = endpoint.participant_key};
   writers_[info.instance_handle] = writer;
   news.emplace_back(writer, true);
+}
+
+void Graph::take_readers() {
+  std::array<void*, 16> samples{};
+  std::array<dds_sample_info_t, 16> infos{};
+  const dds_return_t count =
+      dds_take(subscriptions_, samples.data(), infos.data(), samples.size(), samples.size());
+  for (dds_return_t i = 0; i < count; ++i) {
+    const auto& endpoint = *static_cast<const dds_builtintopic_endpoint_t*>(samples[i]);
+    const std::lock_guard lock(mutex_);
+    if (!infos[i].valid_data || infos[i].instance_state != DDS_IST_ALIVE) {
+      readers_.erase(infos[i].instance_handle);
+      continue;
+    }
+    readers_[infos[i].instance_handle] = {.topic = endpoint.topic_name,
+                                          .type = endpoint.type_name,
+                                          .requests = requests_of(endpoint.qos),
+                                          .guid = endpoint.key};
+  }
+  if (count > 0) {
+    dds_return_loan(subscriptions_, samples.data(), count);
+  }
 }
 
 void Graph::tell(const Writer& writer, bool alive) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "dispatcher.hpp"
+#include "qos.hpp"
 #include "spikeloop/topics/closable.hpp"
 
 namespace spikeloop::ros2 {
@@ -23,11 +24,20 @@ struct Writer {
   std::string type;       ///< in DDS
   std::string user_data;  ///< ROS 2 since Iron: "typehash=RIHS01_...;"
   bool reliable = true;
+  std::string misfit{};  ///< what it offers and no reader of ours takes; empty if nothing
   bool latched =
       false;  ///< reliable, and sends its newest messages to late readers that ask for them
   dds_instance_handle_t handle = 0;  ///< the publication handle of its messages
   dds_guid_t guid{};
   dds_guid_t participant{};
+};
+
+/// Reader of any participant.
+struct OtherReader {
+  std::string topic;    ///< in DDS
+  std::string type;     ///< in DDS
+  Requests requests{};  ///< beyond what every writer of ours offers
+  dds_guid_t guid{};
 };
 
 bool is_same(const dds_guid_t& a, const dds_guid_t& b);
@@ -49,6 +59,7 @@ class Graph {
   void forget(Listener listener);
 
   std::vector<Writer> writers(const std::string& dds_topic) const;
+  std::vector<OtherReader> readers(const std::string& dds_topic) const;
 
  private:
   struct Listening {
@@ -58,6 +69,7 @@ class Graph {
   };
 
   void take_news();
+  void take_readers();
   void record(const dds_builtintopic_endpoint_t& endpoint, const dds_sample_info_t& info,
               std::vector<std::pair<Writer, bool>>& news);
   void tell(const Writer& writer, bool alive);
@@ -65,13 +77,17 @@ class Graph {
 
   Dispatcher& dispatcher_;
   dds_entity_t reader_;
-  dds_entity_t news_;   ///< a read condition
-  dds_entity_t fresh_;  ///< a guard condition
+  dds_entity_t news_;  ///< a read condition
+  dds_entity_t subscriptions_;
+  dds_entity_t readers_news_;  ///< a read condition
+  dds_entity_t fresh_;         ///< a guard condition
   mutable std::mutex mutex_;
   std::map<dds_instance_handle_t, Writer> writers_;
+  std::map<dds_instance_handle_t, OtherReader> readers_;
   Listener last_ = 0;
   std::map<Listener, Listening> listeners_;
   Dispatcher::Ticket news_ticket_;
+  Dispatcher::Ticket readers_ticket_;
   Dispatcher::Ticket fresh_ticket_;
 };
 

@@ -12,6 +12,9 @@
 namespace spikeloop::ros2 {
 namespace {
 
+/// Messages per turn of the session's thread.
+constexpr int kMostLists = 16;
+
 constexpr std::size_t kGidUntilHumble = 24;
 constexpr std::size_t kGidSinceIron = 16;
 constexpr std::array<std::pair<std::string_view, std::size_t>, 8> kDistributions{
@@ -60,6 +63,71 @@ class Encoder {
   std::vector<std::byte> bytes_{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
 };
 
+/// The reverse of Encoder. Its functions return false at the end of the message.
+class Decoder {
+ public:
+  Decoder(std::span<const std::byte> message, std::size_t gid_bytes)
+      : fields_(message.subspan(kEncodingBytes)), gid_bytes_(gid_bytes) {}
+
+  /// nullopt if the identities have another length.
+  std::optional<std::vector<NodeEndpoints>> nodes() {
+    Gid participant{};
+    std::uint32_t count = 0;
+    std::vector<NodeEndpoints> nodes;
+    bool good = gid(participant) && number(count);
+    for (std::uint32_t i = 0; good && i < count; ++i) {
+      NodeEndpoints node;
+      std::string space;
+      std::string name;
+      good = text(space) && text(name) && gids(node.endpoints) && gids(node.endpoints);
+      node.name = (space == "/" ? space : space + "/") + name;
+      nodes.push_back(std::move(node));
+    }
+    return good && fields_.size() - at_ < 4 ? std::optional(std::move(nodes)) : std::nullopt;
+  }
+
+ private:
+  bool has(std::size_t size) const { return size <= fields_.size() - at_; }
+  bool number(std::uint32_t& value) {
+    at_ = std::min((at_ + 3) / 4 * 4, fields_.size());
+    if (!has(sizeof value)) {
+      return false;
+    }
+    std::memcpy(&value, fields_.data() + at_, sizeof value);
+    at_ += sizeof value;
+    return true;
+  }
+  bool text(std::string& value) {
+    std::uint32_t size = 0;
+    if (!number(size) || size == 0 || !has(size)) {
+      return false;
+    }
+    value.assign(reinterpret_cast<const char*>(fields_.data()) + at_, size - 1);
+    at_ += size;
+    return value.find('\0') == std::string::npos;
+  }
+  bool gid(Gid& value) {
+    if (!has(gid_bytes_)) {
+      return false;
+    }
+    std::memcpy(value.v, fields_.data() + at_, sizeof value.v);
+    at_ += gid_bytes_;
+    return true;
+  }
+  bool gids(std::vector<Gid>& values) {
+    std::uint32_t count = 0;
+    bool good = number(count) && has(count * std::size_t{gid_bytes_});
+    for (std::uint32_t i = 0; good && i < count; ++i) {
+      good = gid(values.emplace_back());
+    }
+    return good;
+  }
+
+  std::span<const std::byte> fields_;
+  std::size_t gid_bytes_;
+  std::size_t at_ = 0;
+};
+
 Gid gid_of(dds_entity_t entity) {
   Gid gid{};
   dds_get_guid(entity, &gid);
@@ -87,26 +155,46 @@ std::vector<std::byte> node_message(const Gid& participant, const NodeIdentity& 
   return encoder.take();
 }
 
+std::vector<NodeEndpoints> read_nodes(std::span<const std::byte> message) {
+  for (const std::size_t gid_bytes : {kGidSinceIron, kGidUntilHumble}) {
+    if (auto nodes = Decoder(message, gid_bytes).nodes()) {
+      return std::move(*nodes);
+    }
+  }
+  return {};
+}
+
 NodeList::NodeList(dds_entity_t participant, const RawTopic& topic, Graph& graph,
-                   const NodeIdentity& node, const std::string& distribution)
+                   Dispatcher& dispatcher, const NodeIdentity& node,
+                   const std::string& distribution)
     : participant_(participant),
       topic_(topic),
       graph_(graph),
       node_(node),
       own_(gid_of(participant)),
-      gid_bytes_(gid_bytes_of(distribution)) {
+      gid_bytes_(gid_bytes_of(distribution)),
+      dispatcher_(dispatcher),
+      reader_(dds_create_reader(participant, topic.entity, reader_qos(0, true, true, "").get(),
+                                nullptr)),
+      arrived_(dds_create_readcondition(reader_, DDS_ANY_STATE)),
+      ticket_(dispatcher_.add(arrived_, [this] { take_names(); })) {
   if (gid_bytes_) {
     begin();
   }
   listener_ = graph_.listen(kTopic, [this](const Writer& writer, bool alive) {
     if (alive) {
       hear_of(writer);
+    } else {
+      const std::lock_guard lock(mutex_);
+      others_.erase(writer.handle);
     }
   });
 }
 
 NodeList::~NodeList() {
   graph_.forget(listener_);
+  dispatcher_.remove(ticket_, arrived_);
+  dds_delete(reader_);
   if (writer_ > 0) {
     dds_delete(writer_);
   }
@@ -156,6 +244,33 @@ void NodeList::hear_of(const Writer& writer) {
       "nodes of ROS 2 until Humble and since Iron are in one domain, or ROS_DISTRO is not theirs: "
       "node {} is not in `ros2 node list`, which would harm one of them; its topics work",
       node_.whole());
+}
+
+void NodeList::take_names() {
+  for (int i = 0; i < kMostLists; ++i) {
+    const TakenMessage taken(reader_);
+    if (!taken.any()) {
+      return;
+    }
+    if (taken.valid()) {
+      auto nodes = read_nodes(taken.message());
+      const std::lock_guard lock(mutex_);
+      others_[taken.writer()] = std::move(nodes);
+    }
+  }
+}
+
+std::string NodeList::node_of(const Gid& endpoint) const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [writer, nodes] : others_) {
+    for (const NodeEndpoints& node : nodes) {
+      if (std::ranges::any_of(node.endpoints,
+                              [&](const Gid& gid) { return is_same(gid, endpoint); })) {
+        return node.name;
+      }
+    }
+  }
+  return {};
 }
 
 /// The newest message for all that come, as ROS 2 has it.

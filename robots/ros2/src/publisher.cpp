@@ -21,6 +21,8 @@ Publisher::Publisher(Session::Impl& session, const Endpoint& endpoint, std::uint
                      bool latched)
     : session_(session),
       topic_name_(endpoint.topic),
+      dds_type_(endpoint.dds_type_name()),
+      latched_(latched),
       topic_(session.participant.entity(), endpoint.dds_name(), endpoint.dds_type_name()),
       writer_(dds_create_writer(session.participant.entity(), topic_.entity,
                                 writer_qos(queue, latched, endpoint.user_data).get(), nullptr)) {
@@ -59,21 +61,18 @@ bool Publisher::has_subscribers() const {
 }
 
 std::string Publisher::misfit() const {
-  dds_offered_incompatible_qos_status_t status{};
-  if (dds_get_offered_incompatible_qos_status(writer_, &status) != DDS_RETCODE_OK ||
-      status.total_count == 0) {
-    return {};
+  for (const OtherReader& reader : session_.graph.readers(topic_.name)) {
+    if (reader.type != dds_type_) {
+      continue;
+    }
+    if (!latched_ && !reader.requests.late.empty()) {
+      return reader.requests.late;
+    }
+    if (!reader.requests.other.empty()) {
+      return reader.requests.other;
+    }
   }
-  switch (status.last_policy_id) {
-    case DDS_DURABILITY_QOS_POLICY_ID:
-      return "durability transient local, and this one is volatile";
-    case DDS_DEADLINE_QOS_POLICY_ID:
-      return "a deadline, and this one has none";
-    case DDS_LIVELINESS_QOS_POLICY_ID:
-      return "liveliness by topic, and this one's is automatic";
-    default:
-      return fmt::format("another quality of service (policy {} of DDS)", status.last_policy_id);
-  }
+  return {};
 }
 
 // Cyclone writes to the socket within publish(); what is left to wait for is that reliable

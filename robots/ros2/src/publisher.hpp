@@ -24,6 +24,8 @@ class Publisher final : public topics::RawPublisher {
  private:
   Session::Impl& session_;
   std::string topic_name_;
+  std::string dds_type_;
+  bool latched_;
   RawTopic topic_;
   dds_entity_t writer_;
   std::atomic<bool> complained_{false};

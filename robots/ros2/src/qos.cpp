@@ -1,7 +1,13 @@
 #include "qos.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <limits>
+#include <vector>
+
+#include "spikeloop/core/time.hpp"
 
 namespace spikeloop::ros2 {
 namespace {
@@ -64,6 +70,78 @@ Qos reader_qos(std::uint32_t queue, bool reliable, bool latched, const std::stri
   dds_qset_durability(qos.get(),
                       latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   return qos;
+}
+
+namespace {
+
+bool is_exclusive(const dds_qos_t* qos) {
+  dds_ownership_kind_t kind = DDS_OWNERSHIP_SHARED;
+  return dds_qget_ownership(qos, &kind) && kind == DDS_OWNERSHIP_EXCLUSIVE;
+}
+
+/// XCDR2 and no XCDR1. An empty list is XCDR1.
+bool lacks_xcdr1(const dds_qos_t* qos) {
+  std::uint32_t count = 0;
+  dds_data_representation_id_t* values = nullptr;
+  if (!dds_qget_data_representation(qos, &count, &values)) {
+    return false;
+  }
+  const bool lacks = count > 0 && std::find(values, values + count,
+                                            DDS_DATA_REPRESENTATION_XCDR1) == values + count;
+  dds_free(values);
+  return lacks;
+}
+
+std::string list(const std::vector<std::string>& parts) {
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+}  // namespace
+
+Requests requests_of(const dds_qos_t* qos) {
+  Requests requests;
+  dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE;
+  if (dds_qget_durability(qos, &durability) && durability != DDS_DURABILITY_VOLATILE) {
+    requests.late = "durability transient local, and this one is volatile";
+  }
+  std::vector<std::string> others;
+  if (durability > DDS_DURABILITY_TRANSIENT_LOCAL) {
+    requests.late.clear();
+    others.emplace_back("durability transient or persistent, and this one has none of them");
+  }
+  dds_duration_t time = DDS_INFINITY;
+  if (dds_qget_deadline(qos, &time) && time != DDS_INFINITY) {
+    others.push_back(fmt::format("a deadline of {}, and this one has none", format_time(time)));
+  }
+  dds_liveliness_kind_t liveliness = DDS_LIVELINESS_AUTOMATIC;
+  if (dds_qget_liveliness(qos, &liveliness, &time)) {
+    if (liveliness != DDS_LIVELINESS_AUTOMATIC) {
+      others.emplace_back("liveliness by topic, and this one's is automatic");
+    }
+    if (time != DDS_INFINITY) {
+      others.push_back(
+          fmt::format("a liveliness lease of {}, and this one has none", format_time(time)));
+    }
+  }
+  if (is_exclusive(qos)) {
+    others.emplace_back("exclusive ownership, and this one's is shared");
+  }
+  if (lacks_xcdr1(qos)) {
+    others.emplace_back("the encoding XCDR2, and this one's is XCDR1");
+  }
+  requests.other = list(others);
+  return requests;
+}
+
+std::string offer_misfit(const dds_qos_t* qos) {
+  std::vector<std::string> parts;
+  if (is_exclusive(qos)) {
+    parts.emplace_back("exclusive ownership, and a node of ROS 2 takes shared ownership");
+  }
+  if (lacks_xcdr1(qos)) {
+    parts.emplace_back("the encoding XCDR2, and a node of ROS 2 takes XCDR1");
+  }
+  return list(parts);
 }
 
 bool is_reliable(const dds_qos_t* qos) {

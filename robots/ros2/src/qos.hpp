@@ -25,6 +25,16 @@ Qos writer_qos(std::uint32_t queue, bool latched, const std::string& user_data);
 /// publisher.
 Qos reader_qos(std::uint32_t queue, bool reliable, bool latched, const std::string& user_data);
 
+/// What a subscriber requests beyond the defaults, for messages: "a deadline of 100 ms, and this
+/// one has none".
+struct Requests {
+  std::string late{};   ///< durability; met by publishers that are latched
+  std::string other{};  ///< met by no publisher of ours
+};
+Requests requests_of(const dds_qos_t* qos);
+/// What a publisher offers and no subscriber of ours takes, for messages; empty if nothing.
+std::string offer_misfit(const dds_qos_t* qos);
+
 bool is_reliable(const dds_qos_t* qos);
 /// True if a late subscriber receives what was published before: reliable, and transient local or
 /// more.

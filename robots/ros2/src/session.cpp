@@ -35,7 +35,7 @@ Session::Impl::Impl(const topics::SessionSettings& settings)
       dispatcher(participant.entity()),
       graph(participant.entity(), dispatcher),
       node_topic(participant.entity(), NodeList::kTopic, NodeList::kType),
-      nodes(participant.entity(), node_topic, graph, node, found.distribution),
+      nodes(participant.entity(), node_topic, graph, dispatcher, node, found.distribution),
       acquaintance(participant.entity(), node_topic, graph) {
   place["ROS_DOMAIN_ID"] = fmt::to_string(found.domain);
 }
@@ -99,6 +99,14 @@ std::unique_ptr<topics::RawSubscriber> Session::subscriber(topics::Subscription 
 
 bool Session::has_publishers(const std::string& topic) const {
   return !impl_->graph.writers(dds_topic(topic)).empty();
+}
+
+std::vector<topics::Partner> Session::subscribers(const std::string& topic) const {
+  std::vector<topics::Partner> partners;
+  for (const OtherReader& reader : impl_->graph.readers(dds_topic(topic))) {
+    partners.push_back({.node = impl_->nodes.node_of(reader.guid), .type = ros_type(reader.type)});
+  }
+  return partners;
 }
 
 bool Session::publishers_know_us(const std::string& topic) const {

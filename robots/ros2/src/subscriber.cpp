@@ -60,6 +60,15 @@ Subscriber::~Subscriber() {
   session_.acquaintance.unsubscribe(endpoint_.dds_name(), endpoint_.dds_type_name());
 }
 
+std::string Subscriber::misfit() const {
+  for (const Writer& writer : session_.graph.writers(endpoint_.dds_name())) {
+    if (writer.type == endpoint_.dds_type_name() && !writer.misfit.empty()) {
+      return writer.misfit;
+    }
+  }
+  return {};
+}
+
 bool Subscriber::has_publishers() const {
   const std::lock_guard lock(mutex_);
   return std::ranges::any_of(readers_,
@@ -115,7 +124,9 @@ void Subscriber::look_at(const Writer& writer, bool alive) {
 
 void Subscriber::look_at_type(const Writer& writer) {
   if (writer.type != endpoint_.dds_type_name()) {
-    refuse(topics::other_type(endpoint_.topic, ros_type(writer.type), endpoint_.message_type));
+    refuse(topics::other_type(
+        endpoint_.topic, ros_type(writer.type), endpoint_.message_type,
+        [&nodes = session_.nodes, guid = writer.guid] { return nodes.node_of(guid); }));
     return;
   }
   const std::string theirs = type_hash_in(writer.user_data);

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "command_topics.hpp"
 #include "diagnostics.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/guard/guard_timer.hpp"
+#include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/status/signals.hpp"
 #include "spikeloop/status/status.hpp"
 #include "spikeloop/topics/names.hpp"
@@ -20,6 +22,8 @@ namespace {
 
 /// So long a robot may take to subscribe.
 constexpr TimeNs kPatience = 2 * kNsPerSecond;
+
+constexpr TimeNs kLook = kNsPerSecond / 10;
 
 /// So long a robot that hears us may take to hear the guard, too: over Fast DDS two nodes meet
 /// within two seconds.
@@ -81,6 +85,8 @@ CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& addres
                                  const command::CommandSettings& settings, topics::Keep keep)
     : session_(session),
       address_(as_in_ros(session, address)),
+      type_(messages::Catalog::for_type(session.dialect(), address.message_type)
+                .full_name(address.message_type)),
       waits_for_guard_(!session.local()),
       publisher_(session, address.topic, address.message_type, address.fields,
                  settings.clock == command::CommandClock::wall),
@@ -210,7 +216,8 @@ bool CommandEndpoint::begin_tick(TimeNs end) {
 
 void CommandEndpoint::end_tick() {
   keep_sent();
-  if (!minded_subscribers_ && count_ != 0 && !session_.local()) {
+  topics_->report_other_types();
+  if (count_ != 0 && !session_.local()) {
     mind_subscribers();
   }
 }
@@ -225,8 +232,9 @@ command::Condition CommandEndpoint::condition() const {
   using enum command::Condition::Level;
   if (condition.level == ok && !publisher_.has_subscribers()) {
     const std::string misfit = publisher_.misfit();
-    return {warning, "no subscriber on '" + address_.topic + "'" +
-                         (misfit.empty() ? "" : "; one asks for " + misfit)};
+    return {warning, misfit.empty()
+                         ? "no subscriber on '" + address_.topic + "'"
+                         : "a subscriber of '" + address_.topic + "' asks for " + misfit};
   }
   if (condition.level == ok && waits_for_guard_) {
     return {warning, "the robot is not driven before its guard is connected to it"};
@@ -268,15 +276,35 @@ bool CommandEndpoint::drives_unguarded(std::span<const double> values) const {
          std::ranges::any_of(values, [](double value) { return value != 0; });
 }
 
-/// A robot that takes another type, or another topic, stands still without a word.
+/// Warns of subscribers that receive no command, and if there is none; each once.
 void CommandEndpoint::mind_subscribers() {
   const TimeNs now = wall_now();
+  if (now - looked_at_ < kLook) {
+    return;
+  }
+  looked_at_ = now;
   driven_since_ = driven_since_ == 0 ? now : driven_since_;
+  const bool subscribed = publisher_.has_subscribers();
+  const auto other = subscribed && session_.dialect() == messages::Dialect::ros1
+                         ? std::nullopt  // asking all nodes is slow
+                         : subscriber_of_other_type();
   if (now - driven_since_ < kPatience) {
     return;
   }
-  minded_subscribers_ = true;
-  if (!publisher_.has_subscribers()) {
+  const std::string misfit = publisher_.misfit();
+  if (!misfit.empty() && !std::exchange(told_misfit_, true)) {
+    log::warning(
+        "a subscriber of '{}' gets no command: it asks for {}; '{} info -v {}' names it: give it "
+        "the default quality of service",
+        address_.topic, misfit, topics::topic_command(session_.dialect()), address_.topic);
+  }
+  if (other && !std::exchange(told_type_, true)) {
+    log::warning("{} subscribes to '{}' as {} and gets no command of type {}; {}, or another topic",
+                 other->node.empty() ? "a node" : "node " + other->node, address_.topic,
+                 other->type, address_.message_type,
+                 topics::remedy_for_type(other->type, address_.message_type));
+  }
+  if (!subscribed && !told_misfit_ && !told_type_ && !std::exchange(told_none_, true)) {
     log::warning(
         "no subscriber of {} on topic '{}'; the robot will not move. '{} info {}' shows "
         "subscribers "
@@ -284,12 +312,15 @@ void CommandEndpoint::mind_subscribers() {
         address_.message_type, address_.topic, topics::topic_command(session_.dialect()),
         address_.topic);
   }
-  if (const std::string misfit = publisher_.misfit(); !misfit.empty()) {
-    log::warning(
-        "a subscriber of '{}' gets no command: it asks for {}; '{} info -v {}' names it: give it "
-        "the default quality of service",
-        address_.topic, misfit, topics::topic_command(session_.dialect()), address_.topic);
+}
+
+std::optional<topics::Partner> CommandEndpoint::subscriber_of_other_type() const {
+  for (const topics::Partner& partner : session_.subscribers(address_.topic)) {
+    if (partner.type != type_) {
+      return partner;
+    }
   }
+  return std::nullopt;
 }
 
 void CommandEndpoint::leave_to_guard_if_dead() {

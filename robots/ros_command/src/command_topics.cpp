@@ -1,5 +1,7 @@
 #include "command_topics.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -7,12 +9,16 @@
 #include <thread>
 
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/core/pacer.hpp"
 #include "spikeloop/messages/catalog.hpp"
 
 namespace spikeloop::ros_command {
 namespace {
 
 using std::chrono::milliseconds;
+
+/// Time in which the name of a node follows its type; nodes of plain DDS have none.
+constexpr TimeNs kIntroduction = kNsPerSecond / 2;
 
 /// So long a run waits for those who can stop its robot.
 constexpr milliseconds kLongestWait{2'000};
@@ -73,11 +79,24 @@ std::unique_ptr<topics::RawSubscriber> CommandTopics::subscribe(
                              .latched = queue == kEveryPress,
                              .take = [this, take](auto message) { (this->*take)(message); },
                              .refuse =
-                                 [this](const topics::OtherType& other) {
-                                   if (!warned_.exchange(true)) {
-                                     log::warning("{}; it is not heard", other.text);
-                                   }
+                                 [this, topic](const topics::OtherType& other) {
+                                   const std::lock_guard lock(mutex_);
+                                   others_.try_emplace(topic, std::pair(other, wall_now()));
                                  }});
+}
+
+void CommandTopics::report_other_types() {
+  const std::lock_guard lock(mutex_);
+  for (auto& [topic, entry] : others_) {
+    const auto& [other, since] = entry;
+    const std::string node = other.node ? other.node() : "";
+    if (since == kNever || (node.empty() && other.node && wall_now() - since < kIntroduction)) {
+      continue;
+    }
+    log::warning("{}{}; it is not heard", other.text,
+                 node.empty() ? "" : fmt::format("; node {} publishes it", node));
+    entry.second = kNever;
+  }
 }
 
 void CommandTopics::take_emergency(std::span<const std::byte> message) {

@@ -3,9 +3,12 @@
 
 #include <atomic>
 #include <cstddef>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "spikeloop/command/command_sink.hpp"
@@ -27,6 +30,9 @@ class CommandTopics {
   CommandTopics(const CommandTopics&) = delete;
   CommandTopics& operator=(const CommandTopics&) = delete;
 
+  /// Warns of topics that carry another type; each once. To be called from the loop's thread.
+  void report_other_types();
+
  private:
   void take_emergency(std::span<const std::byte> message);
   void take_manual(std::span<const std::byte> message);
@@ -38,6 +44,9 @@ class CommandTopics {
   command::CommandSink& sink_;
   std::vector<messages::FieldReader> emergency_fields_;
   std::vector<messages::FieldReader> manual_fields_;
+  std::mutex mutex_;
+  /// By topic, with the wall time at which the session reported it; kNever: it has been logged.
+  std::map<std::string, std::pair<topics::OtherType, TimeNs>> others_;
   std::atomic<bool> warned_{false};
   std::atomic<bool> told_not_finite_{false};
   std::unique_ptr<topics::RawSubscriber> emergency_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
@@ -65,6 +66,21 @@ bool is_node_name(Dialect ros, std::string_view name) {
   return ros == Dialect::ros1 ? is_letter(name.front()) : !is_digit(name.front());
 }
 
+/// geometry_msgs/TwistStamped has a header and the member `twist`.
+constexpr const char* kStamped = "Stamped";
+
+/// "twist" of "geometry_msgs/Twist".
+std::string member_of(const std::string& type) {
+  std::string name = type.substr(type.rfind('/') + 1);
+  std::ranges::transform(name, name.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  while (!name.empty() && is_digit(name.back())) {
+    name.pop_back();  // `vector` of Vector3Stamped
+  }
+  return name;
+}
+
 }  // namespace
 
 int version_of(Dialect ros) {
@@ -120,8 +136,19 @@ void check_node_name(Dialect ros, const std::string& name) {
   }
 }
 
-OtherType other_type(const std::string& topic, const std::string& type, const std::string& wanted) {
-  return {type, fmt::format("topic '{}' carries {}, not {}", topic, type, wanted)};
+OtherType other_type(const std::string& topic, const std::string& type, const std::string& wanted,
+                     std::function<std::string()> node) {
+  return {type, fmt::format("topic '{}' carries {}, not {}", topic, type, wanted), std::move(node)};
+}
+
+std::string remedy_for_type(const std::string& type, const std::string& wanted) {
+  std::string text = fmt::format("write  message: {0}  (in a .music file  message_type={0})", type);
+  if (type == wanted + kStamped) {
+    text += fmt::format(", and its fields as {}.FIELD", member_of(wanted));
+  } else if (wanted == type + kStamped) {
+    text += fmt::format(", and its fields without '{}.'", member_of(type));
+  }
+  return text;
 }
 
 }  // namespace spikeloop::topics

@@ -15,6 +15,8 @@ namespace {
 
 constexpr TimeNs kPatience = 2 * kNsPerSecond;
 constexpr TimeNs kLook = kNsPerSecond / 10;
+/// Time in which the name of a node follows its type; nodes of plain DDS have none.
+constexpr TimeNs kIntroduction = kNsPerSecond / 2;
 
 /// With where this node looks for others: the first thing that is wrong when nothing comes.
 std::string how_to_look(const Session& session) {
@@ -71,24 +73,45 @@ void TopicReader::receive(std::span<const std::byte> message) {
 }
 
 void TopicReader::refuse(const OtherType& other) {
-  std::string text = other.text;
-  if (!other.type.empty()) {
-    text += fmt::format("; write {}another topic",
-                        settings_.type_is_a_key
-                            ? fmt::format("{} as the type of the messages, or ", other.type)
-                            : "");
+  const std::lock_guard lock(mutex_);
+  if (++wrong_type_ == 1) {
+    other_ = other;
+    other_at_ = wall_now();
   }
-  bool warn = false;
+}
+
+/// An error if there are no messages of the right type, else a warning; once, and with the node as
+/// soon as its name is known.
+void TopicReader::report_other_type() const {
+  std::optional<OtherType> other;
+  bool has_messages = false;
   {
     const std::lock_guard lock(mutex_);
-    warn = ++wrong_type_ == 1 && newest_at_ != 0;
-    if (newest_at_ == 0) {
-      failure_ = std::make_exception_ptr(TransportError(with_code(Code::wrong_message, text)));
-    }
+    other = other_;
+    has_messages = newest_at_ != 0;
   }
-  if (warn) {
-    log::warning("{}", text);
+  if (!other) {
+    return;
   }
+  const std::string node = other->node ? other->node() : "";
+  if (node.empty() && other->node && wall_now() - other_at_ < kIntroduction) {
+    return;
+  }
+  std::string text = other->text;
+  if (!node.empty()) {
+    text += fmt::format("; node {} publishes it", node);
+  }
+  if (!other->type.empty()) {
+    text += settings_.type_is_a_key ? fmt::format("; {}, or another topic",
+                                                  remedy_for_type(other->type, settings_.type))
+                                    : "; write another topic";
+  }
+  if (!has_messages) {
+    throw TransportError(with_code(Code::wrong_message, text));
+  }
+  log::warning("{}", text);
+  const std::lock_guard lock(mutex_);
+  other_.reset();
 }
 
 /// Packets come, or announcements, and no message.
@@ -115,16 +138,26 @@ void TopicReader::mind_silence(TimeNs now, TimeNs newest_at) {
         topic_);
     return;
   }
+  if (const std::string misfit = subscriber_->misfit(); !misfit.empty()) {
+    log::warning(
+        "a publisher of '{}' sends nothing here: it offers {}; give it the default quality "
+        "of service",
+        topic_, misfit);
+    return;
+  }
   log::warning("no message on topic '{}' for {}{}", topic_, format_time(kPatience),
                how_to_look(session_));
 }
 
 void TopicReader::require_sound() const {
   session_.require_alive();
-  const std::lock_guard lock(mutex_);
-  if (failure_) {
-    std::rethrow_exception(failure_);
+  {
+    const std::lock_guard lock(mutex_);
+    if (failure_) {
+      std::rethrow_exception(failure_);
+    }
   }
+  report_other_type();
 }
 
 void TopicReader::check(std::optional<TimeNs> simulated) {

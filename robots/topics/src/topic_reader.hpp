@@ -59,6 +59,7 @@ class TopicReader {
  private:
   void receive(std::span<const std::byte> message);
   void refuse(const OtherType& other);
+  void report_other_type() const;
   void mind_silence(TimeNs now, TimeNs newest_at);
   bool nothing_arrives_whole();
 
@@ -71,6 +72,9 @@ class TopicReader {
   mutable std::mutex mutex_;  // held for a moment, never across a tick
   TimeNs newest_at_ = 0;      // 0: none has come
   std::uint64_t wrong_type_ = 0;
+  /// The first other type, until it is reported.
+  mutable std::optional<OtherType> other_;
+  TimeNs other_at_ = 0;
   std::exception_ptr failure_;
 
   TimeNs started_ = 0;  // used by the loop only

@@ -46,6 +46,7 @@ class Session : public topics::Session {
   bool has_publishers(const std::string& topic) const override;
   /// Asks the master and the publishers, which takes milliseconds. A subscriber itself believes so
   /// some time before.
+  std::vector<topics::Partner> subscribers(const std::string& topic) const override;
   bool publishers_know_us(const std::string& topic) const override;
 
  private:

@@ -13,8 +13,8 @@ namespace spikeloop::ros2 {
 ///
 /// Publishers are reliable and volatile, so that every subscriber of ROS 2 matches them.
 /// Subscribers are best effort and volatile, so that every publisher does; with `queue` 0 they are
-/// reliable: every message comes, and publishers that are best effort match no more (which is
-/// logged). A publisher's queue bounds what it keeps for a slow subscriber that is reliable; 0:
+/// reliable: every message comes. Other readers are added for publishers that offer more, or less
+/// (Level). A publisher's queue bounds what it keeps for a slow subscriber that is reliable; 0:
 /// everything.
 class Session final : public topics::Session {
  public:
@@ -40,6 +40,7 @@ class Session final : public topics::Session {
                                                   bool latched = false) override;
   std::unique_ptr<topics::RawSubscriber> subscriber(topics::Subscription subscription) override;
   bool has_publishers(const std::string& topic) const override;
+  std::vector<topics::Partner> subscribers(const std::string& topic) const override;
   bool publishers_know_us(const std::string& topic) const override;
 
   struct Impl;

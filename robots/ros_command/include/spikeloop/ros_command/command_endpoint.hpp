@@ -83,12 +83,17 @@ class CommandEndpoint {
   bool may_begin();
   bool drives_unguarded(std::span<const double> values) const;
   void mind_subscribers();
+  std::optional<topics::Partner> subscriber_of_other_type() const;
   TimeNs report(TimeNs now);
 
   topics::Session& session_;
   const Address address_;
+  const std::string type_;   ///< whole name of the commands' type
   TimeNs driven_since_ = 0;  ///< wall time of the first command; 0: none yet
-  bool minded_subscribers_ = false;
+  TimeNs looked_at_ = 0;     ///< wall time of the last look at the subscribers
+  bool told_misfit_ = false;
+  bool told_type_ = false;
+  bool told_none_ = false;
   TimeNs met_at_ = 0;  ///< wall time at which somebody was seen to hear us; 0: not yet
   std::atomic<bool> waits_for_guard_;
   topics::Publisher publisher_;

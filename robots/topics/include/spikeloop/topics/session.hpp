@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "spikeloop/messages/dialect.hpp"
 #include "spikeloop/topics/arguments.hpp"
@@ -27,8 +28,9 @@ class RawPublisher {
   /// call from any thread, one at a time.
   virtual void publish(std::span<const std::byte> message) = 0;
   virtual bool has_subscribers() const = 0;
-  /// What subscribers of this topic ask for that it does not offer, so that ROS 2 does not connect
-  /// them ("durability"); empty when all are connected, and where subscribers ask nothing (ROS 1).
+  /// Quality of service that subscribers of this topic request and it does not offer, so that ROS 2
+  /// does not connect them ("durability transient local, and this one is volatile"). Empty if all
+  /// are connected, and over ROS 1.
   virtual std::string misfit() const { return {}; }
   /// Returns when the system has what was published, and delivers it even when this process dies.
   virtual void drain() const = 0;
@@ -49,6 +51,9 @@ class RawSubscriber {
   /// comes, or after a second without one. What is heard of is looked at here: while nothing comes,
   /// it is to be asked from time to time.
   virtual std::optional<std::uint64_t> lost() const { return std::nullopt; }
+  /// Quality of service that publishers of this topic offer and this subscriber cannot take, as
+  /// RawPublisher::misfit().
+  virtual std::string misfit() const { return {}; }
   /// True if its publishers send their newest message to late subscribers, so that a publisher that
   /// is silent has nothing new.
   virtual bool latched() const { return false; }
@@ -58,9 +63,22 @@ class RawSubscriber {
 struct OtherType {
   std::string type;  ///< the topic's; empty: another version of ours
   std::string text;  ///< "topic '/scan' carries geometry_msgs/Twist, not sensor_msgs/LaserScan"
+  /// Name of the publisher's node. Empty as long as it is unknown: over ROS 2 it arrives some
+  /// milliseconds after the type.
+  std::function<std::string()> node{};
 };
 
-OtherType other_type(const std::string& topic, const std::string& type, const std::string& wanted);
+OtherType other_type(const std::string& topic, const std::string& type, const std::string& wanted,
+                     std::function<std::string()> node = {});
+
+/// How to use the other type: "write  message: geometry_msgs/TwistStamped ...".
+std::string remedy_for_type(const std::string& type, const std::string& wanted);
+
+/// A subscriber of another node.
+struct Partner {
+  std::string node;  ///< "/base"; empty if unknown
+  std::string type;  ///< "geometry_msgs/Twist"
+};
 
 struct Subscription {
   std::string topic;
@@ -135,6 +153,10 @@ class Session {
   /// now.
   /// @param topic as whole_topic() gives it
   virtual bool has_publishers(const std::string& topic) const = 0;
+  /// Subscribers of a topic, of any type, as far as they are known. Never waits: ROS 1 asks the
+  /// nodes in the background, and the answer is there at a later call.
+  /// @param topic as whole_topic() gives it
+  virtual std::vector<Partner> subscribers(const std::string& /*topic*/) const { return {}; }
   /// Whether a topic has publishers, and each of them counts this node among its subscribers: what
   /// they publish from now on comes.
   /// @param topic as whole_topic() gives it
