@@ -154,8 +154,8 @@ NodeDescription ros_command() {
       number("deadband", "1", "0.01", 0,
              "Change of a field, as a fraction of its range, that is sent immediately"),
       number("min_interval", "s", "10 ms", 0,
-             "Shortest time between two commands; not given: one tick, at least 10 ms; in lockstep "
-             "1 ms"),
+             "Shortest time between two changes of the command; not given: one tick, at least 10 ms; "
+             "in lockstep 1 ms"),
       number("watchdog", "s", "100 ms", 1e-3,
              "Wall time without a tick after which a zero command is sent; not given: 3 ticks, at "
              "least 100 ms"),

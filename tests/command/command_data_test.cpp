@@ -24,6 +24,7 @@ class CommandDataTest : public testing::Test {
     std::optional<TimeNs> first{};  ///< when the newest messages came
     std::optional<TimeNs> second{};
     bool spike = false;
+    double value = 0.5;
   };
 
   static void take(CommandSink& sink, const Tick& tick) {
@@ -31,7 +32,7 @@ class CommandDataTest : public testing::Test {
       seconds = to_seconds(time.value_or(0));
       return spikeloop_signal_input{&seconds, time ? 1U : 0U, 1, 0};
     };
-    double value = 0.5;
+    const double value = tick.value;
     double first = 0;
     double second = 0;
     const spikeloop_signal_input signals[] = {{&value, 1, 1, 0},
@@ -130,6 +131,27 @@ TEST_F(CommandDataTest, a_silent_network_stops_the_robot_when_it_is_asked_for) {
   EXPECT_THAT(sent_, ElementsAre(0.5, 0, 0.5));
   tick(1630 * kMs, false);
   EXPECT_THAT(sent_, ElementsAre(0.5, 0, 0.5, 0));
+}
+
+// A change that waits for min_interval counts until it leaves; a repetition delays no change.
+TEST_F(CommandDataTest, latency_counts_to_the_sending_of_the_message) {
+  CommandSettings slow = settings(0, 0);
+  slow.gate.min_interval = 25 * kMs;
+  CommandSink sink(slow, transport());
+  std::vector<TimeNs> latencies;
+  sink.on_latency([&](TimeNs, TimeNs latency) { latencies.push_back(latency / kMs); });
+  const auto tick = [&](TimeNs now, TimeNs arrived, double value) {
+    take(sink, {.now = now * kMs, .first = arrived * kMs, .second = now * kMs, .value = value});
+  };
+  tick(1010, 1003, 0.1);
+  EXPECT_THAT(latencies, ElementsAre(7));
+  tick(1020, 1014, 0.5);
+  EXPECT_THAT(latencies, ElementsAre(7)) << "held back";
+  tick(1030, 1014, 0.5);
+  tick(1040, 1014, 0.5);
+  EXPECT_THAT(latencies, ElementsAre(7, 26));
+  tick(1050, 1048, 0.5);
+  EXPECT_THAT(latencies, ElementsAre(7, 26, 2)) << "the robot has this command already";
 }
 
 TEST_F(CommandDataTest, a_network_may_be_silent_otherwise) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace command_gate_test {
@@ -13,8 +14,11 @@ using namespace spikeloop::command;
 
 constexpr TimeNs kMs = 1'000'000;
 
-CommandGate gate(double deadband, TimeNs min_interval, TimeNs period, TimeNs grace = 0) {
-  return CommandGate({{deadband, deadband}, min_interval, period, grace});
+CommandGate gate(double deadband, TimeNs min_interval, TimeNs period, TimeNs poll_grace = 0) {
+  return CommandGate({.deadband = {deadband, deadband},
+                      .min_interval = min_interval,
+                      .period = period,
+                      .poll_grace = poll_grace});
 }
 
 bool offer(CommandGate& gate, double a, double b, TimeNs now) {
@@ -99,6 +103,30 @@ TEST(CommandGate, poll_leaves_repetitions_to_the_next_tick) {
   EXPECT_TRUE(g.poll(202 * kMs));
 }
 
+TEST(CommandGate, a_repetition_never_delays_a_change) {
+  CommandGate g = gate(0.02, 10 * kMs, 50 * kMs);
+  EXPECT_TRUE(offer(g, 0.3, 0, 0));
+  EXPECT_TRUE(offer(g, 0.3, 0, 50 * kMs));  // a repetition
+  EXPECT_TRUE(offer(g, 0.4, 0, 51 * kMs));
+  EXPECT_FALSE(g.holds_back());
+  EXPECT_FALSE(offer(g, 0.5, 0, 60 * kMs));  // a change so soon after the last one waits
+  EXPECT_TRUE(g.holds_back());
+  EXPECT_EQ(g.next_due(), 61 * kMs);
+  EXPECT_TRUE(g.poll(61 * kMs));
+  EXPECT_FALSE(g.holds_back());
+}
+
+TEST(CommandGate, the_first_repetition_waits_for_a_late_sensor) {
+  CommandGate g(
+      {.deadband = {0, 0}, .min_interval = 10 * kMs, .period = 50 * kMs, .grace = 12 * kMs});
+  EXPECT_TRUE(offer(g, 1, 0, 0));
+  EXPECT_FALSE(offer(g, 1, 0, 50 * kMs));
+  EXPECT_TRUE(offer(g, 2, 0, 58 * kMs));  // its message was 8 ms late
+  EXPECT_TRUE(offer(g, 2, 0, 120 * kMs));
+  EXPECT_TRUE(offer(g, 2, 0, 170 * kMs)) << "the following ones come at the command rate";
+  EXPECT_EQ(g.sent(), 4u);
+}
+
 TEST(CommandGate, force_and_forget) {
   CommandGate g = gate(0.02, 10 * kMs, 100 * kMs);
   const double zero[] = {0, 0};
@@ -126,13 +154,16 @@ TEST(CommandGate, a_forced_command_is_repeated_within_bounds) {
   EXPECT_EQ(repeated_after(300 * kMs, 300 * kMs), 300 * kMs);
 }
 
-// Random commands and times: never closer than the least interval, never rarer than the period.
+// Random commands and times: changes are never closer than the least interval, and no gap is longer
+// than the period and the time to the next call.
 TEST(CommandGate, intervals_stay_within_their_bounds) {
   std::mt19937 engine(3);
   std::uniform_real_distribution<double> value(-1, 1);
   std::uniform_int_distribution<TimeNs> wait(1, 2 * kMs);
   CommandGate g = gate(0.02, 5 * kMs, 20 * kMs);
   TimeNs last = 0;
+  TimeNs last_change = 0;
+  double before = 0;
   TimeNs now = 0;
   offer(g, 0, 0, now);
   for (int i = 0; i < 20000; ++i) {
@@ -140,10 +171,15 @@ TEST(CommandGate, intervals_stay_within_their_bounds) {
     const bool sent =
         engine() % 3 == 0 ? offer(g, i / 500 % 2 ? value(engine) : 0.5, 0.5, now) : g.poll(now);
     ASSERT_LE(now - last, 22 * kMs);
-    if (sent) {
-      ASSERT_GE(now - last, 5 * kMs);
-      last = now;
+    if (!sent) {
+      continue;
     }
+    last = now;
+    if (std::abs(g.current()[0] - before) > 0.02) {
+      ASSERT_GE(now - last_change, 5 * kMs);
+      last_change = now;
+    }
+    before = g.current()[0];
   }
 }
 

@@ -17,14 +17,26 @@ std::optional<TimeNs> AgeMeter::update(double arrived_s, TimeNs now) {
   if (!std::isfinite(arrived_s)) {
     return std::nullopt;
   }
-  const TimeNs age = std::max<TimeNs>(0, now - from_seconds(arrived_s));
+  const TimeNs arrived = from_seconds(arrived_s);
+  const TimeNs age = std::max<TimeNs>(0, now - arrived);
   age_max_ = std::max(age_max_, age);
   if (arrived_s != newest_) {
     newest_ = arrived_s;
-    latencies_[messages_ % kKept] = age;
-    ++messages_;
+    waiting_.push_back({arrived, now});
   }
   return age;
+}
+
+void AgeMeter::settle(TimeNs sent, const std::function<void(TimeNs)>& take) {
+  for (const Message& message : waiting_) {
+    const TimeNs latency = std::max<TimeNs>(0, std::max(sent, message.ticked) - message.arrived);
+    latencies_[messages_ % kKept] = latency;
+    ++messages_;
+    if (take) {
+      take(latency);
+    }
+  }
+  waiting_.clear();
 }
 
 AgeMeter::Report AgeMeter::report() const {

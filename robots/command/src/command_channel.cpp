@@ -225,6 +225,14 @@ CommandChannel::Standing CommandChannel::standing() const {
   return {driven ? std::nullopt : std::optional(reason_), overridden_, driven_};
 }
 
+CommandChannel::NetworkCommand CommandChannel::network_command() const {
+  const std::lock_guard lock(mutex_);
+  if (state_ != State::running || overridden_) {
+    return NetworkCommand::unused;
+  }
+  return gate_.holds_back() ? NetworkCommand::held_back : NetworkCommand::sent;
+}
+
 TimeNs CommandChannel::stood_for() const {
   const std::lock_guard lock(mutex_);
   return stood_for_;

@@ -38,12 +38,19 @@ TimeNs CommandGate::due() const {
                                   settings_.min_interval});
   }
   if (moved()) {
-    return last_time_ + settings_.min_interval - settings_.tolerance;
+    return last_change_ + settings_.min_interval - settings_.tolerance;
   }
-  return settings_.period == 0 ? kNever : last_time_ + settings_.period;
+  if (settings_.period == 0) {
+    return kNever;
+  }
+  const bool is_first = last_time_ == last_change_;
+  return last_time_ + settings_.period + (is_first ? settings_.grace : 0);
 }
 
 bool CommandGate::send(TimeNs now) {
+  if (!sent_ || moved()) {
+    last_change_ = now;
+  }
   last_ = current_;
   last_time_ = now;
   sent_ = true;
@@ -65,7 +72,7 @@ bool CommandGate::poll(TimeNs now) {
 TimeNs CommandGate::next_due() const {
   const TimeNs time = due();
   const bool repetition = any_ && sent_ && !forced_ && time != kNever && !moved();
-  return repetition ? time + settings_.grace : time;
+  return repetition ? time + settings_.poll_grace : time;
 }
 
 void CommandGate::force(std::span<const double> command, TimeNs now) {

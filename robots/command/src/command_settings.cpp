@@ -7,6 +7,7 @@ namespace {
 
 constexpr TimeNs kLeastInterval = 10'000'000;  // robot bases expect 10 to 100 Hz
 constexpr TimeNs kLeastLockstepInterval = 1'000'000;
+constexpr TimeNs kLongestJitter = 20'000'000;  // of a sensor's driver
 constexpr TimeNs kLeastWatchdog = 100'000'000;
 constexpr TimeNs kYears = 1'000'000'000 * kNsPerSecond;
 
@@ -28,8 +29,11 @@ CommandSettings command_settings(const Parameters& keys, const ComponentMap& map
     settings.gate.tolerance = tick / 2;
   }
   settings.gate.period = command_rate > 0 ? wall(1 / command_rate) : 0;
-  // Fast ticks repeat commands themselves, with newer values.
-  settings.gate.grace = tick < settings.gate.period ? tick + tick / 2 : 0;
+  if (tick < settings.gate.period) {
+    settings.gate.grace = std::min(settings.gate.period / 4, kLongestJitter);
+    // Fast ticks repeat commands themselves, with newer values.
+    settings.gate.poll_grace = tick + tick / 2;
+  }
   settings.watchdog = keys.given("watchdog") ? from_seconds(keys.number("watchdog"))
                                              : std::max(3 * tick, kLeastWatchdog);
   settings.max_age = from_seconds(keys.number("max_age"));

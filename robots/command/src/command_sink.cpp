@@ -31,7 +31,11 @@ std::vector<TimeNs> timeouts(const std::vector<WatchedSensor>& sensors) {
 CommandSink::CommandSink(const CommandSettings& settings, Transport transport)
     : settings_(settings),
       transport_(std::move(transport)),
-      channel_({settings.gate, settings.bounds, settings.manual.timeout}, transport_.publish),
+      channel_({settings.gate, settings.bounds, settings.manual.timeout},
+               [this](std::span<const double> values) {
+                 transport_.publish(values);
+                 published_ = now();
+               }),
       sensors_(timeouts(settings.sensors)),
       spikes_({settings.spike_timeout}),
       operator_(settings.emergency_stop, channel_) {
@@ -72,6 +76,7 @@ void CommandSink::send(const Step& step) {
     operator_.apply(wall_now(), now());
   }
   const TimeNs now = this->now();
+  settle_latencies(step.interval().end);  // of commands that were sent between ticks
   const std::optional<StopReason> reason = reason_to_stop(step, now);
   const TimeNs due =
       reason ? channel_.stop(*reason, now) : channel_.command(step.signal_input(0).values, now);
@@ -79,6 +84,7 @@ void CommandSink::send(const Step& step) {
   if (settings_.clock != CommandClock::wall) {
     channel_.poll(now);
   }
+  settle_latencies(step.interval().end);
   if (watch_) {
     watch_->heartbeat(settings_.clock == CommandClock::wall ? due : kNever);
   }
@@ -113,13 +119,24 @@ std::optional<TimeNs> CommandSink::age_of_data(const Step& step, TimeNs now) {
     return std::nullopt;
   }
   const SignalInput data_stamp = step.signal_input(1);
-  const std::uint64_t known = age_.messages();
-  const std::optional<TimeNs> age = age_.update(
+  return age_.update(
       data_stamp.valid() ? data_stamp.values[0] : std::numeric_limits<double>::quiet_NaN(), now);
-  if (take_latency_ && age && age_.messages() != known) {
-    take_latency_(step.interval().end, *age);
+}
+
+void CommandSink::settle_latencies(TimeNs simulated) {
+  switch (channel_.network_command()) {
+    case CommandChannel::NetworkCommand::held_back:
+      break;
+    case CommandChannel::NetworkCommand::unused:
+      age_.drop();
+      break;
+    case CommandChannel::NetworkCommand::sent:
+      age_.settle(published_, [&](TimeNs latency) {
+        if (take_latency_) {
+          take_latency_(simulated, latency);
+        }
+      });
   }
-  return age;
 }
 
 void CommandSink::note_arrivals(const Step& step, TimeNs now) {

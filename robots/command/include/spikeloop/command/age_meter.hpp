@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -18,24 +19,37 @@ class AgeMeter {
   static constexpr std::size_t kKept = std::size_t{1} << 17;
 
   struct Report {
-    std::uint64_t messages = 0;  ///< messages that reached a command
-    /// Age at the first tick whose data came from a message: median and 99th percentile (nearest
-    /// rank) over the newest kKept messages. Ages of all ticks: the largest. NaN without messages.
+    std::uint64_t messages = 0;  ///< messages whose command was sent
+    /// Time from the arrival of a message to the sending of its command: median and 99th
+    /// percentile (nearest rank) over the newest kKept messages. Ages of all ticks: the largest.
+    /// NaN without messages.
     double latency_median_ms = std::numeric_limits<double>::quiet_NaN();
     double latency_p99_ms = std::numeric_limits<double>::quiet_NaN();
     double age_max_ms = std::numeric_limits<double>::quiet_NaN();
   };
 
-  /// The age of this tick's data; nothing before the first message's have come.
+  /// Returns the age of this tick's data; nullopt before the first message's data. A new message
+  /// waits for settle().
   std::optional<TimeNs> update(double arrived_s, TimeNs now);
+  /// The commands of the waiting messages were sent at `sent`, or need not be sent because the
+  /// robot has them already. A message whose data came later than `sent` counts to the tick of its
+  /// data.
+  /// @param take called with each latency; may be empty
+  void settle(TimeNs sent, const std::function<void(TimeNs latency)>& take = {});
+  /// The waiting messages get no command: the robot is stopped, or driven manually.
+  void drop() { waiting_.clear(); }
   Report report() const;
-  /// Messages that have reached a command so far.
-  std::uint64_t messages() const { return messages_; }
 
  private:
+  struct Message {
+    TimeNs arrived = 0;
+    TimeNs ticked = 0;  ///< first tick with its data
+  };
+
   double newest_ = std::numeric_limits<double>::quiet_NaN();
   /// A ring, whole from the beginning: a loop that runs for days neither grows nor copies it.
   std::vector<TimeNs> latencies_ = std::vector<TimeNs>(kKept);
+  std::vector<Message> waiting_;
   std::uint64_t messages_ = 0;
   TimeNs age_max_ = 0;
 };

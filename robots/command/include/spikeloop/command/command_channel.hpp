@@ -78,6 +78,12 @@ class CommandChannel {
   Standing standing() const;
   std::optional<StopReason> stopped_by() const { return standing().stopped; }
   bool overridden() const { return standing().overridden; }
+  enum class NetworkCommand : std::uint8_t {
+    unused,     ///< the robot is stopped, or driven manually
+    held_back,  ///< a change waits for its least interval
+    sent        ///< the robot has the newest command, apart from changes within the deadband
+  };
+  NetworkCommand network_command() const;
   /// How long the robot stood while it had a reason to, until it was last driven or the run ended.
   TimeNs stood_for() const;
   /// The first value that the bounds have cut.

@@ -16,20 +16,25 @@ inline constexpr TimeNs kLongestRepetition = 100'000'000;
 
 /// All times are wall time.
 struct GateSettings {
-  std::vector<double> deadband;  ///< a component: how far it may move without being sent
-  TimeNs min_interval = 0;       ///< two commands are never closer, less `tolerance`
-  TimeNs period = 0;             ///< sent again after that time at the latest; 0: only on movement
-  /// poll() leaves repetitions that long to the next offer(), which may bring something newer.
+  std::vector<double> deadband;  ///< per component: change that is not sent
+  TimeNs min_interval = 0;       ///< least time between two changes, less `tolerance`
+  TimeNs period = 0;             ///< time after which a command is repeated; 0: never
+  /// Additional time before the first repetition of a change: a sensor with the period of the
+  /// repetitions may be late by its driver's jitter.
   TimeNs grace = 0;
-  /// New values may leave that much sooner than `min_interval`. Ticks jitter and come in bursts:
+  /// poll() leaves repetitions that long to the next offer(), which may bring something newer.
+  TimeNs poll_grace = 0;
+  /// A change may be sent that much sooner than `min_interval`. Ticks jitter and come in bursts:
   /// without it one late command would hold back all that follow.
   TimeNs tolerance = 0;
 };
 
-/// A command leaves at once when a component has moved by more than its deadband from the last one
-/// sent, or has come to exactly zero, but not closer than `min_interval` to it, and again every
-/// `period`. A forced command is repeated until the next offer: every `period`, which is then
-/// limited to kShortestRepetition to kLongestRepetition, but not closer than `min_interval`.
+/// A change is a component that has moved by more than its deadband from the command sent last, or
+/// has come to exactly zero. It is sent at once, but not closer than `min_interval` to the previous
+/// change: a repetition never delays a change. Without a change the command is repeated `period` +
+/// `grace` after the last change, then every `period`. A forced command is repeated until the next
+/// offer: every `period`, which is then limited to kShortestRepetition to kLongestRepetition, but
+/// not closer than `min_interval`.
 class CommandGate {
  public:
   explicit CommandGate(GateSettings settings);
@@ -44,6 +49,8 @@ class CommandGate {
   void force(std::span<const double> command, TimeNs now);
   /// The next command leaves at once.
   void forget();
+  /// True while a change waits for `min_interval`.
+  bool holds_back() const { return any_ && sent_ && !forced_ && moved(); }
 
   std::span<const double> current() const { return current_; }
   /// Commands that have left: of offer(), poll() and force().
@@ -57,10 +64,11 @@ class CommandGate {
   GateSettings settings_;
   std::vector<double> current_;
   std::vector<double> last_;
-  TimeNs last_time_ = 0;
-  bool any_ = false;     ///< current_ holds a command
-  bool sent_ = false;    ///< last_ holds a command
-  bool forced_ = false;  ///< force() has set current_
+  TimeNs last_time_ = 0;    ///< of any command
+  TimeNs last_change_ = 0;  ///< of the newest change
+  bool any_ = false;        ///< current_ holds a command
+  bool sent_ = false;       ///< last_ holds a command
+  bool forced_ = false;     ///< force() has set current_
   std::uint64_t sent_count_ = 0;
 };
 

@@ -30,8 +30,8 @@ enum class CommandClock : std::uint8_t {
   lockstep
 };
 
-/// Called in the loop when the first command leaves that a message has reached: simulated time, and
-/// how long ago the message came.
+/// Called in the loop after the first command that is computed from a message has been sent:
+/// simulated time, and the time from the arrival of the message to the sending of the command.
 using TakeLatency = std::function<void(TimeNs simulated, TimeNs latency)>;
 
 /// A sensor that a command depends on.
@@ -140,6 +140,8 @@ class CommandSink : public Sink {
   /// Nothing without data, or before their first message.
   std::optional<TimeNs> age_of_data(const Step& step, TimeNs now);
   void note_arrivals(const Step& step, TimeNs now);
+  /// Measures latencies of messages whose command has been sent.
+  void settle_latencies(TimeNs simulated);
   /// The watch's reasons.
   void stop_from_watch(StopReason reason);
   TimeNs beat(TimeNs wall);
@@ -151,6 +153,7 @@ class CommandSink : public Sink {
   CommandSettings settings_;
   Transport transport_;
   std::atomic<TimeNs> simulated_{0};  ///< end of the newest tick
+  std::atomic<TimeNs> published_{0};  ///< time after the newest message was sent
   bool ticked_ = false;               ///< the loop's
   TimeNs next_repetition_ = 0;        ///< wall time of the next zero; used by the watch only
   std::mutex stopping_;
