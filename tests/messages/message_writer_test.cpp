@@ -1,6 +1,11 @@
 #include "spikeloop/messages/message_writer.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <span>
 
 #include "spikeloop/core/error.hpp"
 #include "tests/support/fault.hpp"
@@ -9,6 +14,7 @@ namespace message_writer_test {
 namespace {
 
 using spikeloop::test::Fault;
+using testing::ElementsAre;
 using namespace spikeloop::messages;
 
 std::string error_of(std::string_view type, std::vector<std::string> paths) {
@@ -64,6 +70,58 @@ TEST(MessageWriter, bytes_are_the_same_as_their_numbers) {
     EXPECT_EQ(one, other);
     EXPECT_THROW(writer.write(std::vector<FieldValue>{{.bytes = pixels}, {numbers}}, other),
                  std::logic_error);
+  }
+}
+
+/// The numbers of `path` in a message of `paths` that are 1, 2, ...
+std::vector<double> written(Dialect dialect, const char* type, std::vector<std::string> paths,
+                            const char* path) {
+  const Catalog& catalog = Catalog::builtin(dialect);
+  const MessageWriter writer(catalog, type, paths);
+  std::vector<double> numbers(paths.size());
+  std::iota(numbers.begin(), numbers.end(), 1);
+  std::vector<FieldValue> values;
+  for (const double& number : numbers) {
+    values.push_back({std::span(&number, 1)});
+  }
+  std::vector<std::byte> bytes;
+  writer.write(values, bytes);
+  std::vector<double> read;
+  FieldReader(catalog, type, path).read(bytes, read);
+  return read;
+}
+
+// Isaac Sim and ros2_control read NaN as "not commanded".
+TEST(MessageWriter, joints_that_no_path_names_are_not_commanded) {
+  const auto no_command = testing::IsNan();
+  for (const Dialect dialect : {Dialect::ros1, Dialect::ros2}) {
+    const std::vector<std::string> mixed = {"velocity[name=rear]", "position[name=steer]"};
+    EXPECT_THAT(written(dialect, "JointState", mixed, "position"), ElementsAre(no_command, 2));
+    EXPECT_THAT(written(dialect, "JointState", mixed, "velocity"), ElementsAre(1, no_command));
+    EXPECT_THAT(written(dialect, "JointState", mixed, "effort"), ElementsAre());
+    const std::vector<std::string> indices = {"velocity[0]", "position[2]"};
+    EXPECT_THAT(written(dialect, "JointState", indices, "velocity"),
+                ElementsAre(1, no_command, no_command));
+    EXPECT_THAT(written(dialect, "JointState", indices, "position"),
+                ElementsAre(no_command, no_command, 2));
+    EXPECT_THAT(written(dialect, "Float64MultiArray", {"data[0]", "data[2]"}, "data"),
+                ElementsAre(1, no_command, 2));
+    const std::vector<std::string> point = {"points[0].positions[1]", "points[0].velocities[0]"};
+    EXPECT_THAT(written(dialect, "JointTrajectory", point, "points[0].positions"),
+                ElementsAre(no_command, 1));
+    EXPECT_THAT(written(dialect, "JointTrajectory", point, "points[0].velocities"),
+                ElementsAre(2, no_command));
+    EXPECT_THAT(written(dialect, "MultiDOFJointState",
+                        {"twist[joint_names=b].linear.x", "wrench[joint_names=c].force.x"},
+                        "twist.linear.x"),
+                ElementsAre(1, no_command));
+  }
+}
+
+TEST(MessageWriter, other_arrays_are_filled_with_zeros) {
+  for (const Dialect dialect : {Dialect::ros1, Dialect::ros2}) {
+    EXPECT_THAT(written(dialect, "Joy", {"axes[2]"}, "axes"), ElementsAre(0, 0, 1));
+    EXPECT_THAT(written(dialect, "Int32MultiArray", {"data[1]"}, "data"), ElementsAre(0, 1));
   }
 }
 

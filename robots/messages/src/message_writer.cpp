@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "named_elements.hpp"
 #include "spikeloop/core/code.hpp"
@@ -19,6 +20,12 @@ struct Progress {
   std::size_t written = 0;
 };
 using Active = std::vector<Progress*>;
+
+/// How numbers are written that no path sets.
+struct Unset {
+  bool parallel = false;  ///< the message, or one that contains it, has parallel arrays
+  bool commanded = true;  ///< false within an element of a parallel array that no path names
+};
 
 bool takes(const FieldPath& path, std::size_t level, std::size_t field) {
   return level < path.steps.size() && path.steps[level].field == field;
@@ -49,8 +56,13 @@ double next_number(Progress& progress) {
   return progress.value.numbers[progress.written++];
 }
 
-double default_number(const FieldLayout& field, std::size_t element) {
-  return element < field.otherwise.numbers.size() ? field.otherwise.numbers[element] : 0.0;
+double default_number(const FieldLayout& field, std::size_t element, const Unset& unset) {
+  if (element < field.otherwise.numbers.size()) {
+    return field.otherwise.numbers[element];
+  }
+  const bool has_nan =
+      field.primitive == Primitive::float32 || field.primitive == Primitive::float64;
+  return has_nan && !unset.commanded ? std::numeric_limits<double>::quiet_NaN() : 0.0;
 }
 
 std::string_view default_text(const FieldLayout& field, std::size_t element) {
@@ -60,13 +72,13 @@ std::string_view default_text(const FieldLayout& field, std::size_t element) {
 
 template <typename Writer>
 void write_primitive(Writer& writer, const FieldLayout& field, std::size_t element,
-                     const Active& active) {
+                     const Active& active, const Unset& unset) {
   if (field.primitive == Primitive::text) {
     writer.text(active.empty() ? default_text(field, element) : active.front()->value.text);
     return;
   }
   if (active.empty()) {
-    writer.number(field.primitive, default_number(field, element));
+    writer.number(field.primitive, default_number(field, element, unset));
     return;
   }
   if (active.front()->path->time_part == FieldPath::TimePart::whole) {
@@ -83,12 +95,21 @@ void write_primitive(Writer& writer, const FieldLayout& field, std::size_t eleme
   writer.number(Writer::Reader::half_of_time(field.primitive, true), nanoseconds);
 }
 
-template <typename Writer>
-void write_message(Writer& writer, const TypeLayout& type, std::size_t level, const Active& active);
+/// True for numbers, and for messages that the paths choose by names in an array beside them.
+bool is_one_per_joint(const FieldLayout& field, std::size_t level, const Active& active) {
+  return field.primitive != Primitive::message ||
+         std::ranges::any_of(active, [level](const Progress* progress) {
+           return progress->path->steps[level].least_length != 0;
+         });
+}
 
 template <typename Writer>
-void write_field(Writer& writer, const FieldLayout& field, std::size_t level,
-                 const Active& active) {
+void write_message(Writer& writer, const TypeLayout& type, std::size_t level, const Active& active,
+                   Unset unset);
+
+template <typename Writer>
+void write_field(Writer& writer, const FieldLayout& field, std::size_t level, const Active& active,
+                 const Unset& unset) {
   const std::size_t length = array_length(field, level, active);
   if (field.array == ArrayKind::variable) {
     writer.length(length);
@@ -100,6 +121,7 @@ void write_field(Writer& writer, const FieldLayout& field, std::size_t level,
   if (field.element_bytes == std::size_t{0}) {
     return;  // ROS 1's messages without fields: any number of them is nothing
   }
+  const bool parallel = unset.parallel && field.array == ArrayKind::variable && !active.empty();
   Active here;
   for (std::size_t i = 0; i < length; ++i) {
     here.clear();
@@ -109,17 +131,22 @@ void write_field(Writer& writer, const FieldLayout& field, std::size_t level,
         here.push_back(progress);
       }
     }
+    Unset within = unset;
+    if (here.empty() && parallel && is_one_per_joint(field, level, active)) {
+      within.commanded = false;
+    }
     if (field.primitive == Primitive::message) {
-      write_message(writer, *field.message, level + 1, here);
+      write_message(writer, *field.message, level + 1, here, within);
     } else {
-      write_primitive(writer, field, i, here);
+      write_primitive(writer, field, i, here, within);
     }
   }
 }
 
 template <typename Writer>
-void write_message(Writer& writer, const TypeLayout& type, std::size_t level,
-                   const Active& active) {
+void write_message(Writer& writer, const TypeLayout& type, std::size_t level, const Active& active,
+                   Unset unset) {
+  unset.parallel = unset.parallel || has_parallel_arrays(type);
   if (type.fields.empty() && type.dialect == Dialect::ros2) {
     writer.number(Primitive::uint8, 0.0);
   }
@@ -131,7 +158,7 @@ void write_message(Writer& writer, const TypeLayout& type, std::size_t level,
         within.push_back(progress);
       }
     }
-    write_field(writer, type.fields[i], level, within);
+    write_field(writer, type.fields[i], level, within, unset);
   }
 }
 
@@ -161,6 +188,7 @@ MessageWriter::MessageWriter(const Catalog& catalog, std::string_view type,
     chosen.push_back(compile_path(catalog, type, text));
   }
   std::vector<NamedText> named = place_named_elements(chosen);
+  align_parallel_arrays(chosen);
   for (FieldPath& path : chosen) {
     add(std::move(path));
   }
@@ -259,10 +287,10 @@ void MessageWriter::write(std::span<const FieldValue> values,
   }
   if (type_->dialect == Dialect::ros2) {
     WireWriter<Dialect::ros2> writer(message);
-    write_message(writer, *type_, 0, active);
+    write_message(writer, *type_, 0, active, {});
   } else {
     WireWriter<Dialect::ros1> writer(message);
-    write_message(writer, *type_, 0, active);
+    write_message(writer, *type_, 0, active, {});
   }
 }
 

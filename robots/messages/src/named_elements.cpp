@@ -28,11 +28,17 @@ struct ArrayBeside {
   const NamedGroup* group;
 };
 
-TextPlace place_of(const FieldPath& path, std::size_t level, const Selector& selector) {
+/// The path to the message that holds the array of a level.
+TextPlace place_above(const FieldPath& path, std::size_t level) {
   TextPlace place;
   for (std::size_t i = 0; i < level; ++i) {
     place.insert(place.end(), {path.steps[i].field, path.steps[i].first, path.steps[i].last});
   }
+  return place;
+}
+
+TextPlace place_of(const FieldPath& path, std::size_t level, const Selector& selector) {
+  TextPlace place = place_above(path, level);
   if (selector.within) {
     place.push_back(path.steps[level].field);
   }
@@ -72,7 +78,43 @@ std::size_t place_element(NamedGroup& group, const FieldPath& path, std::size_t 
   return element;
 }
 
+/// Calls `use` with the place and the step of every array of numbers of which the path names
+/// elements.
+template <typename Use>
+void for_each_parallel_array(std::vector<FieldPath>& paths, Use&& use) {
+  for (FieldPath& path : paths) {
+    bool parallel = has_parallel_arrays(*path.type);
+    for (std::size_t level = 0; level < path.steps.size(); ++level) {
+      const FieldLayout& field = path.field(level);
+      PathStep& step = path.steps[level];
+      const bool is_float =
+          field.primitive == Primitive::float32 || field.primitive == Primitive::float64;
+      if (parallel && is_float && field.array == ArrayKind::variable &&
+          step.last != PathStep::kEnd) {
+        use(place_above(path, level), step);
+      }
+      parallel = parallel || (field.message && has_parallel_arrays(*field.message));
+    }
+  }
+}
+
 }  // namespace
+
+bool has_parallel_arrays(const TypeLayout& type) {
+  return type.name == "std_msgs/Float32MultiArray" || type.name == "std_msgs/Float64MultiArray" ||
+         std::ranges::any_of(type.fields, [](const FieldLayout& field) {
+           return field.primitive == Primitive::text && field.array == ArrayKind::variable;
+         });
+}
+
+void align_parallel_arrays(std::vector<FieldPath>& paths) {
+  std::map<TextPlace, std::size_t> lengths;
+  for_each_parallel_array(paths, [&](const TextPlace& place, const PathStep& step) {
+    lengths[place] = std::max({lengths[place], step.last, step.least_length});
+  });
+  for_each_parallel_array(
+      paths, [&](const TextPlace& place, PathStep& step) { step.least_length = lengths[place]; });
+}
 
 std::vector<NamedText> place_named_elements(std::vector<FieldPath>& paths) {
   std::map<TextPlace, NamedGroup> groups;

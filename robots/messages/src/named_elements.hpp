@@ -20,4 +20,12 @@ struct NamedText {
 /// @throws ConfigurationError when more elements are named than an array can have.
 std::vector<NamedText> place_named_elements(std::vector<FieldPath>& paths);
 
+/// True for messages with one element per joint in each of several arrays, like
+/// sensor_msgs/JointState: they have an array of names, or are a std_msgs/Float32MultiArray or
+/// Float64MultiArray.
+bool has_parallel_arrays(const TypeLayout& type);
+
+/// Makes parallel arrays of the same message that the paths write equally long.
+void align_parallel_arrays(std::vector<FieldPath>& paths);
+
 }  // namespace spikeloop::messages

@@ -33,7 +33,8 @@ class MessageWriter {
 
   /// Replaces `message` by the bytes in the catalog's dialect. `values` runs parallel to the paths.
   /// Whole-number fields take the nearest value they can hold, NaN as 0. Fields that no path names
-  /// have their default value, or are zero or empty.
+  /// have their default value, or are zero or empty. Elements of parallel arrays (JointState,
+  /// JointTrajectory, Float64MultiArray) that no path names are NaN: not commanded.
   /// @throws ConfigurationError when a path gets another number of values than it names, or more
   /// values or a longer text than the field can hold.
   /// @throws std::logic_error when bytes are given for another field than a whole variable array
