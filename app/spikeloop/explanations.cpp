@@ -199,7 +199,7 @@ constexpr Explanation kExplanations[] = {
     {Code::ros_setting, "A setting of ROS is not valid",
      "ROS_MASTER_URI, ROS_DOMAIN_ID and other variables of the environment, arguments behind "
      "--ros-args, or the configuration of Cyclone DDS. docs/ros2.md has those that are read."},
-    {Code::image_encoding, "Images have an encoding or a format that cannot be read",
+    {Code::image_encoding, "Images or event packets have an encoding that cannot be read",
      "docs/images.md lists those that can be read. Change the setting of the camera driver, or "
      "convert the images in a node between both, for example with 'image_transport republish'."},
 

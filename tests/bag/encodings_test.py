@@ -191,8 +191,8 @@ def check_refusals(scratch):
     depth = file_of(Pillow.fromarray(random_of("u2")), "PNG")
     file = scratch / "wrong.yaml"
     for sent, code, words in [
-            (message("8UC2", random_of("u1", 2)), "SL0511", "'8UC2' ... publish them as mono8"),
-            (message("32FC2", random_of("u1", 8)), "SL0511", "'32FC2' ... publish them as mono8"),
+            (message("8UC2", random_of("u1", 2)), "SL0511", "'8UC2'"),
+            (message("32FC2", random_of("u1", 8)), "SL0511", "'32FC2'"),
             (message("16SC1", random_of("i2")), "SL0504", "16SC1 ... range: [300, 5000]"),
             (CompressedImage(format="16UC1; png compressed ", data=depth), "SL0504", "16UC1 ... range: [300, 5000]"),
             (CompressedImage(format="bgr8; webp", data=b"RIFF....WEBPVP8 "), "SL0511", "'bgr8; webp' ... WebP"),

@@ -90,7 +90,7 @@ std::string error_of(const EventPacket& packet) {
   std::vector<CameraEvent> events(1);
   try {
     decoder.decode(packet, events);
-  } catch (const TransportError& error) {
+  } catch (const Error& error) {
     EXPECT_TRUE(events.empty());
     return error.what();
   }
@@ -416,8 +416,8 @@ TEST(EventDecoder, what_is_wrong_is_said) {
   const std::vector<std::byte> three(3);
   EXPECT_THAT(
       error_of({480, 640, 0, 0, "libcaer", false, {}}),
-      Fault(
-          "its encoding 'libcaer' is not known; let the driver send evt3, evt2 or mono [SL0509]"));
+      Fault("event packets with the encoding 'libcaer' cannot be read; publish them as evt3, evt2 "
+            "or mono [SL0511]"));
   EXPECT_THAT(
       error_of({480, 640, 0, 0, "evt3", false, three}),
       Fault("its 3 bytes of events are no whole number of 2 each, as evt3 has them [SL0509]"));

@@ -1,11 +1,9 @@
 #include "encoding.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iterator>
-#include <vector>
 
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
@@ -66,18 +64,6 @@ std::optional<Encoding> opencv_type(std::string_view name) {
     return Encoding{name, Layout::plain, sample, count, kBgr};
   }
   return std::nullopt;
-}
-
-[[noreturn]] void fail_unknown(std::string_view name) {
-  std::vector<std::string_view> names;
-  for (const Encoding& encoding : kEncodings) {
-    names.push_back(encoding.name);
-  }
-  throw ConfigurationError(
-      with_code(Code::image_encoding,
-                "images with the encoding '{}' cannot be read; publish them as {}, or as {} with "
-                "C1, C3 or C4",
-                name.substr(0, 40), fmt::join(names, ", "), fmt::join(kSamples, ", ")));
 }
 
 void check_layout(const ImageView& image, const Encoding& encoding) {
@@ -143,7 +129,11 @@ Planes planes_of(const ImageView& image, Layout layout) {
 Encoding check_image(const ImageView& image) {
   const std::optional<Encoding> found = find_encoding(image.encoding);
   if (!found) {
-    fail_unknown(image.encoding);
+    throw ConfigurationError(with_code(
+        Code::image_encoding,
+        "images with the encoding '{}' cannot be read; publish them as mono8, rgb8, bgr8, "
+        "16UC1 or 32FC1 (docs/images.md lists all encodings)",
+        image.encoding.substr(0, 40)));
   }
   const std::uint64_t width = image.width;
   const std::uint64_t height = image.height;

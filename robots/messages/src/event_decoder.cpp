@@ -83,10 +83,10 @@ void EventDecoder::decode(const EventPacket& packet, std::vector<CameraEvent>& e
   }
   const bool evt2 = packet.encoding == "evt2";
   if (!evt2 && packet.encoding != "evt3") {
-    throw TransportError(
-        with_code(Code::damaged_message,
-                  "its encoding '{}' is not known; let the driver send evt3, evt2 or mono",
-                  packet.encoding.substr(0, 40)));
+    throw ConfigurationError(with_code(
+        Code::image_encoding,
+        "event packets with the encoding '{}' cannot be read; publish them as evt3, evt2 or mono",
+        packet.encoding.substr(0, 40)));
   }
   if (evt2 != evt2_) {
     *this = {};

@@ -64,8 +64,9 @@ void TopicReader::receive(std::span<const std::byte> message) {
     newest_at_ = now;
   } catch (const ConfigurationError& error) {
     const std::lock_guard lock(mutex_);
-    failure_ = std::make_exception_ptr(
-        ConfigurationError(fmt::format("topic '{}': {}", settings_.topic, error.what())));
+    failure_ = error.located() ? std::current_exception()
+                               : std::make_exception_ptr(ConfigurationError(
+                                     fmt::format("topic '{}': {}", settings_.topic, error.what())));
   } catch (...) {
     const std::lock_guard lock(mutex_);
     failure_ = std::current_exception();

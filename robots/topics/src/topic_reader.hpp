@@ -36,7 +36,8 @@ struct TopicReaderSettings {
 class TopicReader {
  public:
   /// Called in the session's thread the moment a message has arrived, with the time of the
-  /// monotonic clock. Returns the warnings to log. What it throws ends the run.
+  /// monotonic clock. Returns the warnings to log. What it throws ends the run; a ConfigurationError
+  /// without a location gets the name of the topic.
   using Take = std::function<std::vector<std::string>(std::span<const std::byte>, TimeNs now)>;
 
   /// @throws ConfigurationError for an unknown type or an impossible topic.

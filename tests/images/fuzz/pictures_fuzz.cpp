@@ -81,7 +81,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     if (is_file) {
       check(conversion,
-            conversion.convert_compressed(bytes, kFormats[data[0] % std::size(kFormats)]));
+            conversion.convert_compressed(bytes, kFormats[data[0] / 8 % std::size(kFormats)]));
       return 0;
     }
     const ImageView image{.width = data[1],

@@ -90,7 +90,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto bytes = packet(encoding, big_endian, sequence, {data + at + 2, count});
     at += 2 + count;
     EventMessage message;
-    conversion.convert(bytes, message);
+    try {
+      conversion.convert(bytes, message);
+    } catch (const ConfigurationError&) {
+      return 0;  // an encoding that is unknown
+    }
     for (const Spike& event : message.events) {
       need(event.channel >= 0 && static_cast<std::uint32_t>(event.channel) < settings.width);
       need(message.newest && event.time_ns <= *message.newest);

@@ -41,9 +41,9 @@ struct EventPacket {
 class EventDecoder {
  public:
   /// Replaces `events`; their order is the packet's, and stamps are the sensor's.
-  /// @throws TransportError for another encoding, a broken word, a camera without pixels or with
-  /// more than the encoding can name; nothing is kept of such a packet, and the next one is taken
-  /// as after a loss.
+  /// @throws ConfigurationError for another encoding. TransportError for a broken word, a camera
+  /// without pixels or with more than the encoding can name; nothing is kept of such a packet, and
+  /// the next one is taken as after a loss.
   void decode(const EventPacket& packet, std::vector<CameraEvent>& events);
 
  private:

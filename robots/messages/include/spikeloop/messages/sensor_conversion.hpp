@@ -65,7 +65,7 @@ class SensorConversion {
   /// Updates `channels()`. False: the message was malformed, or had no reading for any channel, and
   /// changed nothing.
   /// @throws ConfigurationError naming both widths when `strict` and they differ; when a rule for
-  /// pictures does not fit the picture.
+  /// images does not fit the image, or its encoding or format cannot be read.
   bool convert(std::span<const std::byte> message);
 
   std::span<const double> channels() const { return channels_; }
