@@ -176,7 +176,7 @@ TEST(ImageFiles, cut_off_anywhere_they_are_refused) {
       const std::vector<std::byte> part(file.begin(),
                                         file.begin() + static_cast<std::ptrdiff_t>(size));
       if (!only_marker) {
-        ASSERT_THAT(error_of([&] { conversion.convert_compressed(part); }),
+        ASSERT_THAT(error_of([&] { conversion.convert_compressed(part, "jpeg or png"); }),
                     HasSubstr(size == 0 ? "T: it has no data" : "T: its "))
             << size << " of " << file.size() << " bytes";
       }
@@ -264,7 +264,7 @@ TEST(ImageFiles, formats_that_cannot_be_read_are_named) {
                 Fault(("C: ... jpeg ... " + std::string(name) + " ... [SL0511]").c_str()));
   }
   for (const char* format :
-       {"h264", "rgb8; theora", "rgb8; tiff compressed ", "rgb8", "16UC1; zstd"}) {
+       {"", "h264", "rgb8; theora", "rgb8; tiff compressed ", "rgb8", "16UC1; zstd"}) {
     EXPECT_THAT(error(format, "????????"),
                 Fault((std::string("C: ... '") + format + "' ... [SL0511]").c_str()));
   }

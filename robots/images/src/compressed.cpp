@@ -19,7 +19,7 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-/// compressed_depth_image_transport's ConfigHeader: an unused number and two parameters.
+/// Bytes of compressed_depth_image_transport's ConfigHeader: an unused integer and two floats.
 constexpr std::size_t kDepthHeader = 12;
 
 struct Signature {
@@ -42,13 +42,13 @@ constexpr Signature kUnreadable[] = {
     {"Ogg", 0, "OggS"},
 };
 
-bool has(Bytes data, std::size_t at, std::string_view bytes) {
+bool has_bytes(Bytes data, std::size_t at, std::string_view bytes) {
   return data.size() >= at + bytes.size() &&
          std::memcmp(data.data() + at, bytes.data(), bytes.size()) == 0;
 }
 
 bool is_jpeg(Bytes data) {
-  return has(data, 0, "\xff\xd8\xff");
+  return has_bytes(data, 0, "\xff\xd8\xff");
 }
 
 bool contains(std::string_view text, std::string_view word) {
@@ -72,7 +72,7 @@ std::string_view encoding_in(std::string_view format) {
                 format.substr(0, 60), what));
 }
 
-/// @throws always
+/// The data begin as no file that can be read. Only if `format` names one they are damaged.
 [[noreturn]] void fail_data(Bytes data, std::string_view format) {
   if (data.empty()) {
     throw TransportError(with_code(Code::damaged_message,
@@ -81,15 +81,14 @@ std::string_view encoding_in(std::string_view format) {
                                    format.substr(0, 60)));
   }
   for (const Signature& known : kUnreadable) {
-    if (has(data, known.at, known.bytes)) {
+    if (has_bytes(data, known.at, known.bytes)) {
       fail_format(format, fmt::format(" and data in {}", known.name));
     }
   }
   constexpr std::string_view kReadable[] = {"jpeg", "jpg", "JPEG",           "JPG",
                                             "png",  "PNG", "compressedDepth"};
-  if (!format.empty() && std::ranges::none_of(kReadable, [&](std::string_view codec) {
-        return contains(format, codec);
-      })) {
+  if (std::ranges::none_of(kReadable,
+                           [&](std::string_view codec) { return contains(format, codec); })) {
     fail_format(format, "");
   }
   throw TransportError(with_code(Code::damaged_message,
@@ -98,7 +97,7 @@ std::string_view encoding_in(std::string_view format) {
                                  data.size(), format.substr(0, 60)));
 }
 
-/// The encoding of a grey file is that of the image before its compression.
+/// Gives a grey file the encoding of the image before its compression, as `format` names it.
 ImageView with_encoding_of(ImageView image, std::string_view format) {
   const auto named = find_encoding(encoding_in(format));
   const bool is_grey = image.encoding == "mono8" || image.encoding == "16UC1";
@@ -117,7 +116,7 @@ ImageView with_encoding_of(ImageView image, std::string_view format) {
   return image;
 }
 
-/// The inverse depths of 32FC1 to metres: 0 is no reading.
+/// Converts quantised inverse depths to metres. 0 is not a reading.
 ImageView to_metres(const ImageView& inverse, Bytes header, std::vector<std::byte>& pixels) {
   float parameters[2];
   std::memcpy(parameters, header.data() + 4, sizeof parameters);
@@ -165,14 +164,15 @@ ImageView decode_depth(Bytes data, std::string_view format, std::vector<std::byt
 }  // namespace
 
 bool is_png(Bytes data) {
-  return has(data, 0, "\x89PNG\r\n\x1a\n");
+  return has_bytes(data, 0, "\x89PNG\r\n\x1a\n");
 }
 
 ImageView decode_compressed(Bytes data, std::string_view format, bool colour,
                             std::vector<std::byte>& pixels) {
   static_assert(std::endian::native == std::endian::little);
-  const bool has_header = data.size() > kDepthHeader && !is_png(data) &&
-                          (contains(format, "compressedDepth") || is_png(data.subspan(12)));
+  const bool has_header =
+      data.size() > kDepthHeader && !is_png(data) &&
+      (contains(format, "compressedDepth") || is_png(data.subspan(kDepthHeader)));
   if (has_header) {
     return decode_depth(data, format, pixels);
   }
