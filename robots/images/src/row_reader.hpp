@@ -113,17 +113,20 @@ class RowReader {
     const std::uint32_t top = std::min(y / 2 * 2, (image_.height - 2) / 2 * 2);
     const std::byte* const rows = image_.data.data() + std::size_t{top} * image_.step;
     const std::uint32_t last = (image_.width - 2) / 2 * 2;
-    const auto [red, green, blue] = encoding_.rgb;
-    // The other green pixel lies across the cell.
-    const std::size_t other = 3U - green;
-    for (std::uint32_t x = 0; x < image_.width; ++x) {
-      const std::byte* const cell = rows + std::min(x / 2 * 2, last) * sizeof(T);
-      const auto pixel = [&](std::size_t place) -> unsigned {
-        return sample_at(cell + place / 2 * image_.step + place % 2 * sizeof(T));
-      };
-      buffer_[std::size_t{3} * x] = static_cast<T>(pixel(red));
-      buffer_[std::size_t{3} * x + 1] = static_cast<T>((pixel(green) + pixel(other) + 1) / 2);
-      buffer_[std::size_t{3} * x + 2] = static_cast<T>(pixel(blue));
+    const auto first = [&](std::size_t place) {
+      return rows + place / 2 * image_.step + place % 2 * sizeof(T);
+    };
+    const std::byte* const red = first(encoding_.rgb[0]);
+    const std::byte* const green = first(encoding_.rgb[1]);
+    const std::byte* const other = first(3U - encoding_.rgb[1]);  // green lies across the cell, too
+    const std::byte* const blue = first(encoding_.rgb[2]);
+    T* to = buffer_.data();
+    for (std::uint32_t x = 0, width = image_.width; x < width; ++x, to += 3) {
+      const std::size_t cell = std::min(x / 2 * 2, last) * sizeof(T);
+      const unsigned greens = sample_at(green + cell) + sample_at(other + cell);
+      to[0] = sample_at(red + cell);
+      to[1] = static_cast<T>((greens + 1) / 2);
+      to[2] = sample_at(blue + cell);
     }
   }
 
