@@ -432,6 +432,9 @@ int use_experiment(const std::string& file, const std::function<int(const Experi
 
 /// Returns the exit code.
 int report_recording(const Experiment& experiment, bool strict) {
+  if (!experiment.robot || experiment.robot->bag.empty()) {
+    return 0;
+  }
   const RecordingCheck check = check_recording(experiment);
   const TimeNs length = experiment.duration.value_or(check.checked);
   if (check.checked < length && !has_errors(check.diagnostics)) {

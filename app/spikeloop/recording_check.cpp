@@ -38,9 +38,6 @@ Experiment sensors_of(const Experiment& whole) {
 
 RecordingCheck check_recording(const Experiment& experiment) {
   RecordingCheck check;
-  if (!experiment.robot || experiment.robot->bag.empty()) {
-    return check;
-  }
   const Location& where = experiment.robot->where;
   const Experiment sensors = sensors_of(experiment);
   const TimeNs began = wall_now();

@@ -3,6 +3,7 @@
 `spikeloop check` reports of the messages of a recording."""
 
 import pathlib
+import re
 import struct
 import sys
 import tempfile
@@ -164,6 +165,10 @@ def checks(scratch):
     bags.experiment(scratch / "x.yaml", writer.mcap(scratch / "x.mcap", mixed))
     runs.assert_says(bags.spikeloop("check", scratch / "x.yaml"),
                      "x.yaml:3:14: at 2.2 s: no message on topic '/scan' for 2 s", "OK: 2 nodes")
+    # A recording of 20 h: the check does not take as long as a run.
+    writer.mcap(scratch / "x.mcap", [(BEGIN, writer.scan()), (BEGIN + 72_000 * SECOND, writer.scan())])
+    printed = bags.spikeloop("check", scratch / "x.yaml", timeout=60)
+    assert re.search(r"x.yaml: the first \d[\d.]* s of 72000.001 s of the recording were checked", printed), printed
     # The third message is damaged.
     damaged = scans(0, 2) + [(BEGIN + SECOND // 10, writer.scan()[:30])] + scans(3, 5)
     bags.experiment(scratch / "x.yaml", writer.mcap(scratch / "x.mcap", damaged))

@@ -151,7 +151,7 @@ def killed(scratch):
     assert not file.ended and len(file.raw("/scan")) >= 45, len(file.raw("/scan"))
     again = bags.experiment(scratch / "again.yaml", messages, width=100)
     printed = bags.spikeloop("run", again, "--out", scratch / "after")
-    assert f"warning: '{messages}' was not ended: what is readable are its first " in printed, printed
+    assert f"warning: '{messages}' was not ended: only its first " in printed, printed
     times, _ = sensor_rows(scratch / "after/scan.h5")
     assert len(times) == len(file.raw("/scan")), times
 
