@@ -31,7 +31,7 @@ constexpr const char* kFooter = R"(Examples:
 Checks the MUSIC grammar, the connections of the programs, and whether they can be started. Each
 Spikeloop program checks its section, keys and files. The keys of other programs are not checked.
 Starts no job and needs no ROS. `spikeloop run` makes the same checks. The messages of a recording
-(robot: {bag: PATH}) are passed to the sensors for at most 10 s, to report what the run would report.
+(robot: {bag: PATH}) are passed to the sensors for at most 4 s, to report what the run would report.
 
 Loads the plug-ins that FILE names and runs its networks in Python (network: brain.py), with your
 permissions. Use --no-code for an untrusted file; it reports what it does not check.

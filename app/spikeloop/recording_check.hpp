@@ -12,8 +12,8 @@ struct RecordingCheck {
   TimeNs checked = 0;       ///< shorter than the experiment if the recording is large
 };
 
-/// Passes the messages of the recording to the sensors of an experiment that has one, as a run does,
-/// for at most 10 s of wall time. Nothing else of the experiment runs.
+/// Passes the messages of the recording to the sensors of an experiment that has one, as a run
+/// does, for at most 4 s of wall time. Nothing else of the experiment runs.
 RecordingCheck check_recording(const experiment::Experiment& experiment);
 
 }  // namespace spikeloop::app

@@ -128,6 +128,7 @@ def sqlite_files(scratch):
     recorder.close()
     assert (scratch / "killed/killed.db3-wal").stat().st_size > 0
     same_as_plain(scratch, scratch / "killed/killed.db3")
+    assert (scratch / "run/experiment-files/killed/killed.db3-wal").exists()
     # The folder of the file is left as it was.
     assert not list(scratch.glob("foxy.db3-*"))
     other = sqlite3.connect(scratch / "other.db3")

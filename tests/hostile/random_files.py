@@ -18,6 +18,8 @@ import genpy
 import rosbag
 from sensor_msgs.msg import LaserScan
 
+sys.path.append(str(pathlib.Path(__file__).parents[1] / "bag"))
+import recording_writer  # noqa: E402
 from hostile import EXPERIMENT, LONGEST_S, NETWORK, ROBOT, Answer, programs
 
 SPIKELOOP = programs() / "spikeloop"
@@ -118,6 +120,13 @@ def ros1_bag(path):
     return path.read_bytes()
 
 
+def ros2_recording(path):
+    """In SQLite, with metadata.yaml."""
+    recording_writer.db3(path, [(i, recording_writer.scan(beams=100)) for i in range(20)])
+    recording_writer.metadata(path.parent, [path.name])
+    return path.read_bytes(), (path.parent / "metadata.yaml").read_bytes()
+
+
 def originals(folder):
     """Kind: (a good file's bytes, its name, what reads it)."""
     def check(text, name):
@@ -145,6 +154,13 @@ def originals(folder):
     assert made.code == 0, made.text
     bag = ROBOT.replace("simulator: mujoco, world: FILE", "bag: FILE").replace("lockstep", "unpaced")
 
+    (folder / "ros2").mkdir()
+    sqlite, metadata = ros2_recording(folder / "ros2/it.db3")
+
+    def in_folder(place, file):
+        (place / "it.db3").write_bytes(sqlite)
+        return check(bag, "metadata.yaml")[1](place, file)
+
     def in_run(place, file):
         shutil.copytree(folder / "run", place / "run")
         shutil.copy(file, place / "run" / file.name)
@@ -165,6 +181,8 @@ def originals(folder):
         "recording": ((folder / "run/eye.h5").read_bytes(), *check(EXPERIMENT, "it.h5")),
         "messages": ((folder / "run/messages.mcap").read_bytes(), *check(bag, "it.mcap")),
         "bag": (ros1_bag(folder / "good.bag"), *check(bag, "it.bag")),
+        "sqlite": (sqlite, *check(bag, "it.db3")),
+        "metadata": (metadata, "metadata.yaml", in_folder),
         "resolved": ((folder / "run/resolved.json").read_bytes(), "resolved.json", in_run),
         "summary": ((folder / "run/summary.json").read_bytes(), "summary.json", in_run),
     }

@@ -133,7 +133,7 @@ class Recording {
   std::optional<TimeNs> end_of(const std::string& topic) const {
     std::optional<TimeNs> end;
     for (std::size_t i = 0; i < connections_.size(); ++i) {
-      if (connections_[i].topic == topic) {
+      if (connections_[i].topic == topic && !places_[i].empty()) {
         end = std::max(end.value_or(0), places_[i].back().place.time);
       }
     }
@@ -179,11 +179,18 @@ class Recording {
   }
 
   void read_places(const std::string& path) {
+    std::vector<std::vector<Place>> all;
+    for (const auto& part : parts_) {
+      all.push_back(part->take_places());
+    }
+    if (!of_a_run_) {
+      set_zero_times(path, all);
+    }
     places_.resize(connections_.size());
     RecordedClock clock;
     TimeNs begin = of_a_run_ ? 0 : std::numeric_limits<TimeNs>::max();
     for (std::size_t part = 0; part < parts_.size(); ++part) {
-      for (Place place : parts_[part]->take_places()) {
+      for (Place place : all[part]) {
         const std::uint32_t connection = indexes_[part][place.connection];
         if (!of_a_run_) {
           place.time = clock.next(connection, place.time);
@@ -191,6 +198,7 @@ class Recording {
         }
         places_[connection].push_back({place, static_cast<std::uint32_t>(part)});
       }
+      std::vector<Place>().swap(all[part]);
     }
     for (auto& places : places_) {
       std::ranges::stable_sort(places, is_earlier);
@@ -203,6 +211,32 @@ class Recording {
       warnings_.push_back(warning);
     }
     warn_of_gap(path, clock.longest_gap().begin - begin, clock.longest_gap().end - begin);
+  }
+
+  /// `ros2 bag record --use-sim-time` gives time 0 to messages before the first /clock. They get
+  /// the time at which the others begin.
+  void set_zero_times(const std::string& path, std::vector<std::vector<Place>>& all) {
+    constexpr TimeNs kClear = 60 * kNsPerSecond;
+    TimeNs begin = std::numeric_limits<TimeNs>::max();
+    std::size_t zeros = 0;
+    for (const auto& places : all) {
+      for (const Place& place : places) {
+        zeros += place.time == 0 ? 1 : 0;
+        begin = place.time == 0 ? begin : std::min(begin, place.time);
+      }
+    }
+    if (zeros == 0 || begin < kClear || begin == std::numeric_limits<TimeNs>::max()) {
+      return;
+    }
+    for (auto& places : all) {
+      for (Place& place : places) {
+        place.time = place.time == 0 ? begin : place.time;
+      }
+    }
+    warnings_.push_back(fmt::format(
+        "'{}': {} {} at time 0, before the first /clock, and the next time is {}; they are used at "
+        "the beginning",
+        path, zeros, zeros == 1 ? "message is" : "messages are", format_time(begin)));
   }
 
   void warn_of_gap(const std::string& path, TimeNs from, TimeNs to) {

@@ -8,10 +8,17 @@
 namespace spikeloop::bag {
 namespace {
 
-constexpr TimeNs kForward = 24 * 3600 * kNsPerSecond;
-constexpr TimeNs kForwardFromZero = 60 * kNsPerSecond;
+constexpr TimeNs kDay = 24 * 3600 * kNsPerSecond;
 constexpr TimeNs kBackward = kNsPerSecond;
 constexpr TimeNs kNone = std::numeric_limits<TimeNs>::min();
+
+/// a + b, limited: a damaged file may have any times.
+TimeNs sum(TimeNs a, TimeNs b) {
+  TimeNs result = 0;
+  return !__builtin_add_overflow(a, b, &result) ? result
+         : a > 0                                ? std::numeric_limits<TimeNs>::max()
+                                                : kNone;
+}
 
 }  // namespace
 
@@ -20,21 +27,23 @@ TimeNs RecordedClock::next(std::uint32_t connection, TimeNs time) {
     last_.resize(connection + 1, kNone);
   }
   TimeNs& last = last_[connection];
-  TimeNs result = time + offset_;
-  const TimeNs longest = newest_ == offset_ ? kForwardFromZero : kForward;
-  const bool jumps =
-      messages_ > 0 && (result - newest_ > longest || (last != kNone && last - result > kBackward));
-  if (jumps) {
-    if (jumps_++ == 0) {
-      first_ = {newest_ - offset_, time, messages_};
-    }
-    offset_ += newest_ - result;
-    result = newest_;
+  TimeNs result = sum(time, offset_);
+  if (messages_ == 0) {
+    newest_ = oldest_ = result;
   }
-  if (messages_ > 0 && result - newest_ > gap_.end - gap_.begin) {
+  const TimeNs step = sum(result, -newest_);
+  if (step > kDay || sum(oldest_, -kDay) > result ||
+      (last != kNone && sum(last, -kBackward) > result)) {
+    if (jumps_++ == 0) {
+      first_ = {sum(newest_, -offset_), time, messages_};
+    }
+    offset_ = sum(newest_, -time);
+    result = newest_;
+  } else if (step > gap_.end - gap_.begin) {
     gap_ = {newest_, result};
   }
-  newest_ = messages_ == 0 ? result : std::max(newest_, result);
+  newest_ = std::max(newest_, result);
+  oldest_ = std::min(oldest_, result);
   last = std::max(last, result);
   ++messages_;
   return result;

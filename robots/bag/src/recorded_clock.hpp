@@ -10,11 +10,10 @@
 
 namespace spikeloop::bag {
 
-/// A clock jumps when it is set, when a simulation starts again, and at the first /clock of
-/// `ros2 bag record --use-sim-time`, which gives time 0 to the messages before. A jump is a step
-/// forward by more than a day (from time 0: a minute), or backward by more than a second within one
-/// connection. Files are written in the order of arrival, so that the message after a jump follows
-/// the one before.
+/// A clock jumps when it is set, and when a simulation starts again. A jump is a step forward by
+/// more than a day, or backward by more than a second within one connection or by more than a day.
+/// Files are written in the order of arrival, so that the message after a jump follows the one
+/// before.
 class RecordedClock {
  public:
   /// Time of the next message in the order of the file, without jumps.
@@ -37,6 +36,7 @@ class RecordedClock {
 
   std::vector<TimeNs> last_;  ///< of connections, without jumps
   TimeNs newest_ = 0;         ///< of all messages, without jumps
+  TimeNs oldest_ = 0;         ///< the same
   TimeNs offset_ = 0;         ///< to add to times of the file
   std::uint64_t messages_ = 0;
   std::optional<Jump> first_;

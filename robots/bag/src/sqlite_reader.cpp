@@ -15,6 +15,7 @@
 #include "source.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/core/files_read.hpp"
 #include "spikeloop/messages/schema.hpp"
 
 namespace spikeloop::bag::sqlite {
@@ -55,6 +56,9 @@ class Database {
                                               : std::string(1, c);
     }
     uri += merges ? "" : "?immutable=1";
+    if (merges) {
+      FilesRead::note(path + "-wal");
+    }
     const int error =
         ::sqlite3_open_v2(uri.c_str(), &database_, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     if (error != SQLITE_OK) {
