@@ -56,7 +56,7 @@ void read_mapping_file(const music::Process& process, const Parameters& keys,
 
 /// Where what is taken was written.
 Location rule_place(const music::Process& process, const Parameters& parameters) {
-  for (const char* key : {"fields", kMapping, "beams", "angles"}) {
+  for (const char* key : {"fields", kMapping, "beams", "angles", "range"}) {
     if (parameters.given(key)) {
       return parameters.where(key);
     }
@@ -80,7 +80,10 @@ music::ProgramText sensor_text(const RosProgram& program) {
       program.name);
   text.notes =
       "LaserScan: 2 (r - range_min) / (range_max - range_min) - 1; below range_min and -inf: -1;\n"
-      "above range_max and +inf: 1; NaN and 0 are no reading, the beam keeps its value.\n"
+      "above range_max and +inf: 1; NaN and 0 are no reading, the beam keeps its value. Channel 0 "
+      "is\n"
+      "the rightmost beam. beams=100 and angles=-90,90 resample scans, range=0,10 sets the "
+      "limits.\n"
       "Twist: linear.x and angular.z, limited to [-1, 1]. Float64MultiArray: unchanged. Odometry:\n"
       "x[, y[, z]] in metres. Image, CompressedImage: grey, -1 to 1.\n"
       "Older names of types: Laserscan, Twist, FloatArray, Odom.\n"

@@ -190,7 +190,7 @@ class Writer : JobWriter {
       add(node, "sensor_mapping_filename", as_file(node, "mapping", sensor_text(node), "json"),
           node.parameters.given("fields") ? "fields" : "image");
     }
-    for (const char* key : {"beams", "angles"}) {
+    for (const char* key : {"beams", "angles", "range"}) {
       if (const auto value = node.written.find(key); value != node.written.end()) {
         add(node, key, plain_text(value->second));
       }

@@ -13,6 +13,7 @@ constexpr SectionKey kSensorKeys[] = {{"ros_topic", "topic"},
                                       {"fields", "fields"},
                                       {"beams", "beams"},
                                       {"angles", "angles"},
+                                      {"range", "range"},
                                       {"initial", "initial"}};
 
 constexpr SectionKey kEventKeys[] = {{"ros_topic", "topic"},

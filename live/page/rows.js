@@ -60,7 +60,7 @@ function signalRows(model, output, title) {
 
 function beams(node, width, model) {
   const laser = model.world?.laser;
-  if (!/LaserScan$/.test(node.message ?? "") || !laser || width < 2 || width > laser.beams) {
+  if (!/LaserScan$/.test(node.message ?? "") || !laser || node.beams || width < 2 || width > laser.beams) {
     return null;
   }
   return { first: laser.angle_min_rad * 180 / Math.PI, step: laser.angle_increment_rad * 180 / Math.PI };

@@ -54,7 +54,7 @@ def describe(signal, message, keys, world):
         (path, False) for path in signal.channels or USUAL_FIELDS.get(message, ())[:signal.width]]
     if message == "laserscan" and not fields:
         signal.quantities = [NORMALISED_RANGE] * signal.width
-        signal.beams = _beams(signal.width, world)
+        signal.beams = None if keys.get("beams") else _beams(signal.width, world)
     elif len(fields) == signal.width:
         found = [of_field(message, path) for path, _ in fields]
         signal.quantities = [(quantity, "" if converted else unit)

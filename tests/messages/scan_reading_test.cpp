@@ -1,5 +1,6 @@
 // Beams of a LaserScan: their order, and resampling by angle. The oracle compares angles of single
 // beams by their cosine and sine, without the index arithmetic of the implementation.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -241,12 +242,51 @@ TEST_P(ScanReadings, scans_without_angles_are_refused_if_angles_are_needed) {
   EXPECT_EQ(empty.counts().without_reading, 1u);
 }
 
+TEST_P(ScanReadings, limits_that_a_driver_has_not_set_are_replaced) {
+  struct Case {
+    double least;
+    double most;
+    double used_least;
+    double used_most;
+  };
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  for (const Case& each : {Case{0, kInf, 0, 10}, Case{0.5, kInf, 0.5, 10}, Case{0, kLargest, 0, 10},
+                           Case{0, kNan, 0, 10}, Case{0, 0, 0, 10}, Case{kNan, 5, 0, 5},
+                           Case{-kInf, kInf, 0, 10}, Case{kInf, 5, 0, 5}, Case{-1, 5, 0, 5}}) {
+    auto c = conversion(4);
+    const Scan scan{.ranges = {2, 0, kInf, 20}, .least = each.least, .most = each.most};
+    EXPECT_TRUE(c.convert(message(scan)));
+    const double span = each.used_most - each.used_least;
+    EXPECT_THAT(c.channels(),
+                ElementsAre(DoubleNear(2 * (2 - each.used_least) / span - 1, 1e-6), IsNan(), 1, 1))
+        << each.least << " " << each.most;
+    EXPECT_EQ(c.take_warning(),
+              fmt::format("a sensor_msgs/LaserScan has range_min {0:g} and range_max {1:g}, so the "
+                          "range is taken as {2:g} m to {3:g} m; set the sensor's key 'range' to "
+                          "the limits in metres, as in [{2:g}, {3:g}]",
+                          static_cast<float>(each.least), static_cast<float>(each.most),
+                          each.used_least, each.used_most));
+    EXPECT_TRUE(c.convert(message(scan)));
+    EXPECT_EQ(c.take_warning(), "");
+    EXPECT_THAT(channels(scan, 4, {.range = std::pair(1.0, 3.0)}), ElementsAre(0, IsNan(), 1, 1));
+  }
+  for (const auto& [least, most] : {std::pair(4.0, 4.0), std::pair(12.0, kInf)}) {
+    auto c = conversion(1);
+    EXPECT_FALSE(c.convert(message({.ranges = {2}, .least = least, .most = most})));
+    EXPECT_THAT(c.take_warning(), Fault("... range_min ... range_max ... 'range' ... [0, 10] ..."));
+  }
+  auto far = conversion(1);
+  EXPECT_TRUE(far.convert(message({.ranges = {2500}, .most = 10000})));
+  EXPECT_EQ(far.take_warning(), "");
+  EXPECT_THAT(far.channels(), ElementsAre(-0.5));
+}
+
 TEST_P(ScanReadings, resampling_is_for_scans) {
   EXPECT_THAT(error_of([&] {
                 SensorConversion(catalog(), "nav_msgs/Odometry", {.scan = ScanRule{.beams = 3}}, 3,
                                  true);
               }),
-              Fault("'beams' and 'angles' are for sensor_msgs/LaserScan, not for "
+              Fault("'beams', 'angles' and 'range' are for sensor_msgs/LaserScan, not for "
                     "nav_msgs/Odometry; leave them out ... [SL0504]"));
 }
 

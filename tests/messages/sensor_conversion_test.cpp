@@ -149,7 +149,7 @@ TEST(SensorConversion, malformed_messages_change_nothing) {
   EXPECT_THAT(c.take_warning(),
               Fault("a sensor_msgs/LaserScan ... message of 20 ... (at byte 20) ... [SL0509]"));
   EXPECT_FALSE(c.convert(scan({2.5}, 4, 4)));
-  EXPECT_FALSE(c.convert(scan({2.5}, 4, kNan)));
+  EXPECT_FALSE(c.convert(scan({2.5}, 4, 3)));
   EXPECT_EQ(c.take_warning(), "");
   EXPECT_THAT(c.channels(), ElementsAre(-0.5));
   EXPECT_EQ(c.counts().malformed, 3u);
@@ -157,8 +157,9 @@ TEST(SensorConversion, malformed_messages_change_nothing) {
   EXPECT_FALSE(other.convert(scan({2.5}, 4, 4)));
   EXPECT_THAT(
       other.take_warning(),
-      Fault("a sensor_msgs/LaserScan could not be read and is left out: its range_min 4 and "
-            "range_max 4 leave no range between them; the driver must set both [SL0509]"));
+      Fault("a sensor_msgs/LaserScan could not be read and is left out: range_min 4 is not below "
+            "range_max 4; set the sensor's key 'range' to the limits in metres, as in [0, 10] "
+            "[SL0509]"));
 }
 
 TEST(SensorConversion, twist_is_limited) {

@@ -86,6 +86,19 @@ def beams_that_vary(folder):
         assert counters["sensor.short_messages"] == sum(count < width for count in counts), counters
 
 
+def ranges_that_are_not_set(folder):
+    """pointcloud_to_laserscan sends range_min 0 and range_max inf or 3.4e38, cheap drivers 0 and 0."""
+    for high in (math.inf, 3.4028234663852886e38, math.nan, 0.0):
+        recording = Recording(folder, [scan([math.inf] * 5 + [2.0] * 5, high=high)] * 5)
+        values, _, warnings = recording.read(10)
+        np.testing.assert_allclose(values, [1] * 5 + [-0.6] * 5, atol=1e-6)
+        assert len(warnings) == 1, warnings
+        runs.assert_says(warnings[0], "node 'sensor': ... range_min 0 ... range_max ... 0 m ... 10 m ... 'range'")
+        values, _, warnings = recording.read(10, "range: [1, 5]")
+        np.testing.assert_allclose(values, [1] * 5 + [-0.5] * 5, atol=1e-6)
+        assert not warnings, warnings
+
+
 def keys_are_checked(folder):
     recording = Recording(folder, [scan([2.0] * 10)])
     for keys, width, expected in (
@@ -96,6 +109,9 @@ def keys_are_checked(folder):
             ("beams: 4, angles: [-90 deg]", 4, "'angles' ... [SL0105]"),
             ("beams: 4, angles: [170 deg, -170 deg]", 4, "'angles' ... [170 deg, 190 deg] [SL0206]"),
             ("beams: 4, angles: [-200 deg, 200 deg]", 4, "'angles' ... [-200 deg, 160 deg] [SL0203]"),
+            ("range: [4, 1]", 10, "'range' ... [4, 1] ... [0, 4] [SL0206]"),
+            ("range: [-1, 1]", 10, "'range' ... [SL0203]"),
+            ("range: [0, 1], fields: [ranges]", 10, "'range' ... 'fields' ... [SL0208]"),
             ("beams: 4, fields: [ranges]", 4, "'beams' ... 'fields' ... [SL0208]")):
         file = recording.experiment(width, keys)
         runs.refused(f"{file}: ... {expected}", "check", file)
@@ -109,14 +125,14 @@ def recordings_of_one_length_are_checked(folder):
 def files_of_both_kinds(folder):
     """The exported job has the keys, and its import too."""
     recording = Recording(folder, [scan([2.0] * 10)])
-    file = recording.experiment(5, "beams: 5, angles: [-90 deg, 1 rad]")
+    file = recording.experiment(5, "beams: 5, angles: [-90 deg, 1 rad], range: [0, 4]")
     file.write_text(file.read_text().replace(f"robot: {{bag: {recording.bag}}}\n", "ros: 2\n")
                     .replace("lockstep", "realtime"))
     runs.spikeloop("export", file, "--out", folder / "job")
     text = (folder / "job/experiment.music").read_text()
     assert "beams=5\n" in text.replace(" ", "") and "-90 deg" in text, text
     runs.spikeloop("import", folder / "job/experiment.music", "--out", folder / "again.yaml")
-    runs.assert_says((folder / "again.yaml").read_text(), "beams: 5", "angles: [-90 deg, 57.29577951308232 deg]")
+    runs.assert_says((folder / "again.yaml").read_text(), "beams: 5", "range: [0, 4]", "angles: [-90 deg, 57.29577951308232 deg]")
     runs.spikeloop("check", folder / "again.yaml")
 
 
@@ -136,8 +152,8 @@ def joints_in_any_order(folder):
 
 
 def main():
-    for test in (beams_that_vary, keys_are_checked, recordings_of_one_length_are_checked, files_of_both_kinds,
-                 joints_in_any_order):
+    for test in (beams_that_vary, ranges_that_are_not_set, keys_are_checked, recordings_of_one_length_are_checked,
+                 files_of_both_kinds, joints_in_any_order):
         with tempfile.TemporaryDirectory() as folder:
             test(pathlib.Path(folder))
     print("lidars and joints are read as users have them")

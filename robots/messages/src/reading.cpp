@@ -86,11 +86,11 @@ std::unique_ptr<Reading> make_reading(const Catalog& catalog, const std::string&
                   kImage, kCompressedImage, type));
   }
   if (rule.scan && type != kLaserScan) {
-    throw ConfigurationError(
-        with_code(Code::field_path,
-                  "'beams' and 'angles' are for {}, not for {}; leave them out, and write in "
-                  "'fields' the fields to take",
-                  kLaserScan, type));
+    throw ConfigurationError(with_code(
+        Code::field_path,
+        "'beams', 'angles' and 'range' are for {}, not for {}; leave them out, and write in "
+        "'fields' the fields to take",
+        kLaserScan, type));
   }
   if (!rule.fields.empty()) {
     return std::make_unique<FieldReading>(catalog, type, rule.fields, width);

@@ -17,6 +17,10 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostTurns = 2;  // of a scan; an angle_increment in degrees makes more
 constexpr double kRadian = std::numbers::pi / 180;
 
+/// Largest range_max of a sensor, in m. Drivers without a limit send inf, 3.4e38 or 0.
+constexpr double kMostRange = 1e4;
+constexpr double kUsualRange = 10;  // m
+
 /// Tolerance in beams. Angles are float32, so a beam between two directions may belong to both.
 constexpr double kTolerance = 1e-3;
 
@@ -111,17 +115,37 @@ double ScanReading::number(const FieldReader& field, std::span<const std::byte> 
   return scratch_.at(0);
 }
 
-void ScanReading::read_beams(std::span<const std::byte> message) {
-  const double least = number(range_min_, message);
-  const double most = number(range_max_, message);
-  beams_.clear();
-  ranges_.read(message, beams_);
-  if (!std::isfinite(least) || !std::isfinite(most) || most <= least) {
+std::pair<double, double> ScanReading::limits(std::span<const std::byte> message) {
+  if (rule_.range) {
+    return *rule_.range;
+  }
+  const double range_min = number(range_min_, message);
+  const double range_max = number(range_max_, message);
+  const bool min_is_set = std::isfinite(range_min) && range_min >= 0;
+  const bool max_is_set = range_max > 0 && range_max <= kMostRange;
+  const double least = min_is_set ? range_min : 0;
+  const double most = max_is_set ? range_max : kUsualRange;
+  if (least >= most) {
     throw TransportError(with_code(
         Code::damaged_message,
-        "its range_min {} and range_max {} leave no range between them; the driver must set both",
-        least, most));
+        "range_min {} is not below range_max {}; set the sensor's key 'range' to the limits in "
+        "metres, as in [0, {:g}]",
+        range_min, range_max, kUsualRange));
   }
+  if (!(min_is_set && max_is_set) && !warned_) {
+    warned_ = true;
+    warn(fmt::format(
+        "a {} has range_min {:g} and range_max {:g}, so the range is taken as {:g} m to {:g} m; "
+        "set the sensor's key 'range' to the limits in metres, as in [{:g}, {:g}]",
+        kLaserScan, range_min, range_max, least, most, least, most));
+  }
+  return {least, most};
+}
+
+void ScanReading::read_beams(std::span<const std::byte> message) {
+  const auto [least, most] = limits(message);
+  beams_.clear();
+  ranges_.read(message, beams_);
   for (double& value : beams_) {
     value = value == 0.0 || std::isnan(value) ? kNan
             : value < least                   ? -1.0

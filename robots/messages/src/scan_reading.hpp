@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "reading.hpp"
@@ -28,6 +29,9 @@ class ScanReading : public Reading {
 
   bool read(std::span<const std::byte> message, ReadValues& values) override;
   double number(const FieldReader& field, std::span<const std::byte> message);
+  /// Distances that become -1 and 1. Limits that a driver has not set are replaced, with a warning.
+  /// @throws TransportError if the smallest distance is not below the largest one
+  std::pair<double, double> limits(std::span<const std::byte> message);
   /// Replaces beams_: values in [-1, 1], NaN for no reading.
   void read_beams(std::span<const std::byte> message);
   /// Reverses beams_ if the message has them clockwise.
@@ -45,6 +49,7 @@ class ScanReading : public Reading {
   FieldReader ranges_;
   std::vector<double> beams_;
   std::vector<double> scratch_;
+  bool warned_ = false;
 };
 
 }  // namespace spikeloop::messages

@@ -52,6 +52,21 @@ Parameter field() {
       .example = "[{path: ranges, scale: 2}]"};
 }
 
+/// @throws ConfigurationError if the first number is not below the second one
+std::pair<double, double> read_range(const Parameters& keys, const char* key) {
+  const double least = keys.numbers("range")[0];
+  const double most = keys.numbers("range")[1];
+  if (!(least < most)) {
+    throw ConfigurationError(
+        keys.where("range"),
+        with_code(Code::wrong_order,
+                  "key '{}': the range [{}, {}] has no least and greatest value; write  "
+                  "range: [0, 4]",
+                  key, least, most));
+  }
+  return {least, most};
+}
+
 /// [a, b] becomes [-1, 1].
 void take_range(const Parameters& keys, SensorField& field) {
   for (const char* other : {"scale", "offset", "min", "max"}) {
@@ -62,16 +77,7 @@ void take_range(const Parameters& keys, SensorField& field) {
                     "key 'fields': 'range' says what '{}' says; leave one of them out", other));
     }
   }
-  const double least = keys.numbers("range")[0];
-  const double most = keys.numbers("range")[1];
-  if (!(least < most)) {
-    throw ConfigurationError(
-        keys.where("range"),
-        with_code(Code::wrong_order,
-                  "key 'fields': the range [{}, {}] has no least and greatest value; write  "
-                  "range: [0, 4]",
-                  least, most));
-  }
+  const auto [least, most] = read_range(keys, "fields");
   field.scale = 2 / (most - least);
   field.offset = -(most + least) / (most - least);
   field.minimum = -1;
@@ -155,7 +161,15 @@ std::vector<Parameter> sensor_parameters() {
        .inner =
            {{.name = "angle", .unit = "deg", .minimum = -kMostDegrees, .maximum = kMostDegrees}},
        .count = 2,
-       .example = "[-90 deg, 90 deg]"}};
+       .example = "[-90 deg, 90 deg]"},
+      {.name = "range",
+       .type = ParameterType::list,
+       .default_value = "",
+       .text = "Distances of a sensor_msgs/LaserScan that are mapped to -1 and 1, in metres; not "
+               "given: range_min and range_max of the message",
+       .inner = {{.name = "end", .minimum = 0}},
+       .count = 2,
+       .example = "[0, 10]"}};
 }
 
 namespace {
@@ -165,6 +179,9 @@ messages::ScanRule scan_rule(const Parameters& keys) {
   messages::ScanRule rule;
   if (keys.given("beams")) {
     rule.beams = static_cast<std::uint32_t>(keys.integer("beams"));
+  }
+  if (keys.given("range")) {
+    rule.range = read_range(keys, "range");
   }
   if (!keys.given("angles")) {
     return rule;
@@ -221,7 +238,7 @@ messages::SensorRule sensor_rule(const Parameters& keys) {
                                        "leave 'image' or 'fields' out, "
                                        "and write a second sensor"));
   }
-  for (const char* key : {"beams", "angles"}) {
+  for (const char* key : {"beams", "angles", "range"}) {
     if (!keys.given(key)) {
       continue;
     }
@@ -239,7 +256,7 @@ messages::SensorRule sensor_rule(const Parameters& keys) {
 }
 
 Location place_of_rule(const Parameters& keys) {
-  for (const char* key : {"fields", "image", "beams", "angles"}) {
+  for (const char* key : {"fields", "image", "beams", "angles", "range"}) {
     if (keys.given(key)) {
       return keys.where(key);
     }

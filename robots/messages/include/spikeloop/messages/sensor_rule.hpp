@@ -40,6 +40,8 @@ struct ScanRule {
   /// First and last direction in rad, counterclockwise. nullopt: the first and last beam of each
   /// scan.
   std::optional<std::pair<double, double>> angles{};
+  /// Distances in m that are mapped to -1 and 1. nullopt: range_min and range_max of the message.
+  std::optional<std::pair<double, double>> range{};
   bool operator==(const ScanRule&) const = default;
 };
 

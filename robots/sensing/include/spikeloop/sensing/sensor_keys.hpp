@@ -2,7 +2,7 @@
 //
 //   fields: [pose.pose.position.x, {path: "ranges[0:100]", range: [0, 4], nan: hold}]
 //   image: {crop: [0, 120, 640, 240], resize: [40, 30], filter: on_off}
-//   beams: 100, angles: [-90 deg, 90 deg]
+//   beams: 100, angles: [-90 deg, 90 deg], range: [0, 10]
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@
 
 namespace spikeloop::sensing {
 
-/// fields, image, beams, angles.
+/// fields, image, beams, angles, range.
 std::vector<ParameterDescription> sensor_parameters();
 
 /// @throws ConfigurationError at the value's place with what to write instead.
