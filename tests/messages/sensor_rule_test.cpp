@@ -163,6 +163,75 @@ TEST_P(SensorRules, elements_that_no_message_has_are_told) {
   EXPECT_THAT(c.channels(), ElementsAre(1.5, IsNan()));
 }
 
+TEST_P(SensorRules, fields_that_are_always_nan_are_named) {
+  const auto joints = [this](double velocity) {
+    return message("sensor_msgs/JointState", {{"name[0]", {}, "j1"},
+                                              {"name[1]", {}, "j3"},
+                                              {"position", {1, 2}},
+                                              {"velocity", {0.5, velocity}}});
+  };
+  const auto rule = [](NotANumber policy, std::vector<std::string> paths) {
+    SensorRule made = plain_fields(paths);
+    for (SensorField& field : made.fields) {
+      field.not_a_number = policy;
+    }
+    return made;
+  };
+  const std::string always =
+      "the first 20 messages had no number in 'velocity[name=j3]', so channel 1 has no value; "
+      "select another field, or replace NaN, as in nan: 0";
+  for (const NotANumber policy : {NotANumber::pass, NotANumber::hold, NotANumber::skip}) {
+    auto c = conversion("sensor_msgs/JointState",
+                        rule(policy, {"velocity[name=j1]", "velocity[name=j3]"}), 2, true);
+    std::vector<std::string> warnings;
+    for (int i = 0; i < 40; ++i) {
+      c.convert(joints(kNan));
+      for (auto text = c.take_warning(); !text.empty(); text = c.take_warning()) {
+        warnings.push_back(text);
+      }
+    }
+    EXPECT_EQ(warnings.size(), 1u);
+    EXPECT_EQ(
+        warnings.at(0),
+        policy != NotANumber::skip
+            ? always
+            : "the first 20 messages had no number in 'velocity[name=j3]', so 2 channels have "
+              "no value; select another field, or replace NaN, as in nan: 0");
+    EXPECT_EQ(c.unread(), "");
+    auto later = conversion("sensor_msgs/JointState",
+                            rule(policy, {"velocity[name=j1]", "velocity[name=j3]"}), 2, true);
+    for (int i = 0; i < 40; ++i) {
+      later.convert(joints(i == 0 ? kNan : 3));
+      EXPECT_EQ(later.take_warning(), "") << i;
+    }
+    EXPECT_THAT(later.channels(), ElementsAre(0.5, 3));
+  }
+  auto few = conversion("sensor_msgs/JointState", plain_fields({"velocity[name=j3]"}), 1, true);
+  EXPECT_FALSE(few.convert(joints(kNan))) << "it does not keep the data young";
+  EXPECT_TRUE(few.passes_nan());
+  EXPECT_EQ(few.take_warning(), "");
+  EXPECT_EQ(few.unread(),
+            "the first message had no number in 'velocity[name=j3]', so channel 0 has no value; "
+            "select another field, or replace NaN, as in nan: 0");
+  EXPECT_TRUE(few.convert(joints(1)));
+  EXPECT_EQ(few.unread(), "");
+  EXPECT_FALSE(few.convert(joints(kNan)));
+  EXPECT_EQ(few.take_warning(),
+            "a sensor_msgs/JointState brought no reading; the channels are NaN");
+  EXPECT_THAT(few.channels(), ElementsAre(IsNan()));
+  EXPECT_EQ(few.counts().without_reading, 2u);
+
+  auto hold =
+      conversion("sensor_msgs/JointState", rule(NotANumber::hold, {"velocity[name=j3]"}), 1, true);
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_FALSE(hold.convert(joints(kNan)));
+    EXPECT_EQ(hold.take_warning(),
+              i == 0 ? "a sensor_msgs/JointState brought no reading in 'velocity[name=j3]', so the "
+                       "channels have no value"
+                     : "");
+  }
+}
+
 /// Joints with their positions.
 std::vector<Field> joints(const std::vector<std::pair<std::string, double>>& positions) {
   std::vector<Field> fields;

@@ -99,6 +99,18 @@ def ranges_that_are_not_set(folder):
         assert not warnings, warnings
 
 
+def fields_that_are_always_nan(folder):
+    """Of a driver that knows no velocities, also if there are few messages."""
+    message = JointState(name=["j1", "j3"], position=[1, 2], velocity=[0.5, math.nan])
+    for count in (3, 60):
+        for more, channel in ((', "position[name=j3]"', 0), ("", 0)):
+            recording = Recording(folder, [message] * count, "/joint_states")
+            _, counters, warnings = recording.read(2 if more else 1, f'fields: ["velocity[name=j3]"{more}]')
+            assert len(warnings) == 1, warnings
+            runs.assert_says(warnings[0], f"node 'sensor': ... 'velocity[name=j3]' ... channel {channel} ... nan: 0")
+            assert counters["sensor.without_reading"] == (0 if more else count), counters
+
+
 def keys_are_checked(folder):
     recording = Recording(folder, [scan([2.0] * 10)])
     for keys, width, expected in (
@@ -152,8 +164,8 @@ def joints_in_any_order(folder):
 
 
 def main():
-    for test in (beams_that_vary, ranges_that_are_not_set, keys_are_checked, recordings_of_one_length_are_checked,
-                 files_of_both_kinds, joints_in_any_order):
+    for test in (beams_that_vary, ranges_that_are_not_set, fields_that_are_always_nan, keys_are_checked,
+                 recordings_of_one_length_are_checked, files_of_both_kinds, joints_in_any_order):
         with tempfile.TemporaryDirectory() as folder:
             test(pathlib.Path(folder))
     print("lidars and joints are read as users have them")

@@ -131,6 +131,10 @@ std::string FieldReading::length_remedy(std::size_t /*channels*/) const {
   return order_ ? "select the elements by name, as in position[name=NAME]" : "";
 }
 
+std::string FieldReading::nan_remedy() const {
+  return "; select another field, or replace NaN, as in nan: 0";
+}
+
 bool FieldReading::read(std::span<const std::byte> message, ReadValues& values) {
   if (order_) {
     warn(order_->read(message));

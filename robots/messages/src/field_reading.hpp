@@ -51,6 +51,7 @@ class FieldReading : public Reading {
   std::optional<std::size_t> width() const override;
   std::string name_of(std::size_t channel) const override;
   std::string length_remedy(std::size_t channels) const override;
+  std::string nan_remedy() const override;
 
  private:
   struct Entry {

@@ -19,6 +19,7 @@ class PictureReading : public Reading {
       : dialect_(dialect), compressed_(compressed), conversion_(settings) {}
 
   std::optional<std::size_t> width() const override { return conversion_.settings().values(); }
+  std::string name_of(std::size_t /*channel*/) const override { return "data"; }
 
   bool read(std::span<const std::byte> message, ReadValues& values) override {
     const auto made = convert(message);

@@ -51,6 +51,8 @@ class Reading {
   /// What to write if the number of values changes from message to message; empty if there is only
   /// the width of the connection.
   virtual std::string length_remedy(std::size_t /*channels*/) const { return {}; }
+  /// What to write if a value is always NaN, after "; ". Empty if there is nothing to write.
+  virtual std::string nan_remedy() const { return {}; }
   /// Replaces values(). False: the message is to be left out.
   /// @throws TransportError when it cannot be read.
   bool take(std::span<const std::byte> message) {

@@ -48,9 +48,9 @@ std::uint32_t SensorConversion::count(const Catalog& catalog, std::string_view t
 
 bool SensorConversion::convert(std::span<const std::byte> message) {
   ++counts_.messages;
-  bool whole = false;
+  passes_nan_ = false;
   try {
-    whole = reading_->take(message);
+    whole_ = reading_->take(message);
   } catch (const TransportError& error) {
     if (counts_.malformed++ == 0) {
       warn(fmt::format("a {} could not be read and is left out: {}", type_, error.what()));
@@ -58,44 +58,88 @@ bool SensorConversion::convert(std::span<const std::byte> message) {
     return false;
   }
   std::ranges::move(reading_->take_warnings(), std::back_inserter(warnings_));
-  if (!whole) {
-    ++counts_.without_reading;
-    return false;
+  bool any = false;
+  if (whole_) {
+    fit();
+    any = take_values();
   }
-  fit();
-  return take_values();
+  counts_.without_reading += any ? 0 : 1;
+  any_reading_ = any_reading_ || any;
+  if (counts_.messages == kPatientMessages) {
+    warn(describe_unread());
+  }
+  return any;
 }
 
 bool SensorConversion::take_values() {
   const ReadValues& values = reading_->values();
   const std::size_t count = std::min(values.numbers.size(), channels_.size());
-  std::size_t readings = 0;
+  bool any = false;
   for (std::size_t i = 0; i < count; ++i) {
     if (values.held[i] != Held::no) {
       counts_.invalid_readings += values.held[i] == Held::no_reading ? 1 : 0;
-    } else {
-      channels_[i] = values.numbers[i];
-      ++readings;
+      continue;
     }
+    channels_[i] = values.numbers[i];
+    const bool is_nan = std::isnan(values.numbers[i]);
+    any = any || !is_nan;
+    passes_nan_ = passes_nan_ || is_nan;
   }
-  if (counts_.messages == kPatientMessages) {
-    warn_of_missing();
+  if (!any) {
+    warn_of_no_reading();
   }
-  if (readings == 0 && counts_.without_reading++ == 0) {
-    warn(fmt::format("a {} brought no reading; the channels keep what they had", type_));
-  }
-  return readings > 0;
+  return any;
 }
 
-void SensorConversion::warn_of_missing() {
+void SensorConversion::warn_of_no_reading() {
+  if (told_no_reading_ || (passes_nan_ && !any_reading_)) {
+    return;  // the first NaN of a sensor that starts is reported if there is no number later
+  }
+  told_no_reading_ = true;
+  told_unread_ = !any_reading_;
+  if (any_reading_) {
+    warn(fmt::format("a {} brought no reading; the channels {}", type_,
+                     passes_nan_ ? "are NaN" : "keep what they had"));
+  } else {
+    warn(fmt::format("a {} brought no reading in '{}', so the channels have no value", type_,
+                     reading_->name_of(0)));
+  }
+}
+
+std::string SensorConversion::unread() const {
+  return counts_.messages < kPatientMessages ? describe_unread() : "";
+}
+
+std::string SensorConversion::describe_unread() const {
+  if (counts_.messages == counts_.malformed || (told_unread_ && !any_reading_)) {
+    return {};
+  }
   const ReadValues& values = reading_->values();
-  for (std::size_t i = 0; i < std::min(values.held.size(), channels_.size()); ++i) {
-    if (values.held[i] == Held::missing && std::isnan(channels_[i])) {
-      warn(fmt::format("the first {} messages had no '{}', so channel {} has no value",
-                       kPatientMessages, reading_->name_of(i), i));
-      return;
+  // Of a message that `skip` leaves out, the value that is not a number is the first that is not
+  // read. The warning of a short message names the channels that no message reaches.
+  const std::size_t read = values.held.size();
+  const std::size_t end = std::min(whole_ ? read : channels_.size(), channels_.size());
+  std::size_t first = end;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < end; ++i) {
+    if (std::isnan(channels_[i]) && count++ == 0) {
+      first = i;
     }
   }
+  if (count == 0) {
+    return {};
+  }
+  first = whole_ ? first : std::min(read, end - 1);
+  const bool missing = first < read && values.held[first] == Held::missing;
+  return fmt::format(
+             "the first {} had no {}'{}', so {}",
+             counts_.messages == 1 ? "message" : fmt::format("{} messages", counts_.messages),
+             missing ? "" : "number in ", reading_->name_of(first),
+             count == 1 ? fmt::format("channel {} has no value", first)
+             : whole_
+                 ? fmt::format("{} channels have no value, the first is channel {}", count, first)
+                 : fmt::format("{} channels have no value", count)) +
+         (missing ? "" : reading_->nan_remedy());
 }
 
 void SensorConversion::fit() {
@@ -131,7 +175,9 @@ void SensorConversion::fit() {
 }
 
 void SensorConversion::warn(std::string text) {
-  warnings_.push_back(std::move(text));
+  if (!text.empty()) {
+    warnings_.push_back(std::move(text));
+  }
 }
 
 std::string SensorConversion::take_warning() {

@@ -49,11 +49,15 @@ struct Sensor::Impl {
       arrivals.emplace_back(bytes.begin(), bytes.end());
     }
     counts = conversion.counts();
-    if (good) {
+    if (good || conversion.passes_nan()) {
       std::ranges::copy(conversion.channels(), newest.begin());
-      arrived = now;
       ++revision;
     }
+    if (good) {
+      arrived = now;
+      ++readings;
+    }
+    unread = conversion.unread();
     std::vector<std::string> warnings;
     for (std::string text = conversion.take_warning(); !text.empty();
          text = conversion.take_warning()) {
@@ -79,11 +83,14 @@ struct Sensor::Impl {
   mutable std::mutex mutex;  // held for a copy, never across a tick
   std::vector<double> newest;
   TimeNs arrived = 0;
-  std::uint64_t revision = 0;
+  std::uint64_t revision = 0;                    // of `newest`
+  std::uint64_t readings = 0;                    // messages that had one
+  std::string unread;                            // SensorConversion::unread()
   std::vector<std::vector<std::byte>> arrivals;  // since the tick before, for `keep`
   messages::SensorConversion::Counts counts;
 
   std::uint64_t seen = 0;  // used by the loop only
+  std::uint64_t seen_readings = 0;
   std::vector<std::vector<std::byte>> taken;
   bool initial_sent = false;
   TopicReader reader;  // last: no callback comes before there is all the rest, or after
@@ -97,7 +104,12 @@ void Sensor::check(messages::Dialect ros, const SensorSettings& settings) {
   check_topic(ros, settings.topic);
 }
 
-Sensor::~Sensor() = default;
+Sensor::~Sensor() {
+  const std::lock_guard lock(impl_->mutex);
+  if (!impl_->unread.empty()) {
+    impl_->reader.warn(impl_->unread);
+  }
+}
 
 std::vector<EndpointPort> Sensor::ports() const {
   return {{"out", PortKind::signal, impl_->settings.width}, {"data_stamp", PortKind::signal, 1}};
@@ -115,10 +127,13 @@ void Sensor::receive(const Step& step) {
   }
   TimeNs arrived = 0;
   bool fresh = false;
+  bool stamped = false;
   {
     const std::lock_guard lock(impl_->mutex);
     arrived = impl_->arrived;
     fresh = impl_->revision != impl_->seen;
+    stamped = impl_->readings != impl_->seen_readings;
+    impl_->seen_readings = impl_->readings;
     if (fresh) {
       impl_->seen = impl_->revision;
       std::ranges::copy(impl_->newest, out.values().begin());
@@ -129,10 +144,12 @@ void Sensor::receive(const Step& step) {
     impl_->settings.keep(step.interval().begin, message);
   }
   impl_->taken.clear();
-  if (!fresh) {
+  if (fresh) {
+    out.commit();
+  }
+  if (!stamped) {
     return;
   }
-  out.commit();
   const SignalOutput data_stamp = step.signal_output(1);
   data_stamp.values()[0] = to_seconds(simulated ? step.interval().begin : arrived);
   data_stamp.commit();

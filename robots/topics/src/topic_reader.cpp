@@ -56,9 +56,7 @@ void TopicReader::receive(std::span<const std::byte> message) {
       settings_.arrived();
     }
     for (const std::string& warning : warnings) {
-      log::warning("{}topic '{}': {}",
-                   settings_.node.empty() ? "" : fmt::format("node '{}': ", settings_.node),
-                   settings_.topic, warning);
+      warn(warning);
     }
     const std::lock_guard lock(mutex_);
     newest_at_ = now;
@@ -71,6 +69,12 @@ void TopicReader::receive(std::span<const std::byte> message) {
     const std::lock_guard lock(mutex_);
     failure_ = std::current_exception();
   }
+}
+
+void TopicReader::warn(const std::string& text) const {
+  log::warning("{}topic '{}': {}",
+               settings_.node.empty() ? "" : fmt::format("node '{}': ", settings_.node),
+               settings_.topic, text);
 }
 
 void TopicReader::refuse(const OtherType& other) {

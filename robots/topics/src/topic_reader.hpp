@@ -52,6 +52,8 @@ class TopicReader {
   void check(std::optional<TimeNs> simulated = std::nullopt);
   /// The same without a word of silence.
   void require_sound() const;
+  /// Logs a warning with node and topic.
+  void warn(const std::string& text) const;
   bool has_publishers() const { return subscriber_->has_publishers(); }
   std::uint64_t received() const { return received_; }  ///< messages that `take` took
   std::uint64_t wrong_type() const;

@@ -44,7 +44,7 @@ class SensorConversion {
     std::uint64_t cropped = 0;           ///< messages with more values than the port has channels
     std::uint64_t short_messages = 0;    ///< with fewer: the channels without one keep their value
     std::uint64_t invalid_readings = 0;  ///< beams, pixels, values that `hold` their channel
-    std::uint64_t without_reading = 0;   ///< messages without a single reading, or to `skip`
+    std::uint64_t without_reading = 0;   ///< messages without a single number, or to `skip`
     std::uint64_t malformed = 0;         ///< messages that could not be read at all
   };
 
@@ -62,26 +62,38 @@ class SensorConversion {
   static std::uint32_t count(const Catalog& catalog, std::string_view type, const SensorRule& rule,
                              std::span<const std::byte> message);
 
-  /// Updates `channels()`. False: the message was malformed, or had no reading for any channel, and
-  /// changed nothing.
+  /// Updates `channels()`. False: the message was malformed or left out, or has no number for any
+  /// channel; then channels only change if it `passes_nan()`.
   /// @throws ConfigurationError naming both widths when `strict` and they differ; when a rule for
   /// images does not fit the image, or its encoding or format cannot be read.
   bool convert(std::span<const std::byte> message);
+
+  /// True if the newest message has set channels to NaN, because their fields pass it on.
+  bool passes_nan() const { return passes_nan_; }
 
   std::span<const double> channels() const { return channels_; }
   const Counts& counts() const { return counts_; }
   /// Returns and removes the oldest warning, each kind of which comes once. Empty if there is none.
   std::string take_warning();
+  /// Warning about channels for which no message had a value, for the end of a run with few
+  /// messages. Empty if there are no such channels, or if it has been among the warnings.
+  std::string unread() const;
   const std::string& type() const { return type_; }
 
  private:
   void fit();
   bool take_values();
-  void warn_of_missing();
+  void warn_of_no_reading();
+  std::string describe_unread() const;
   void warn(std::string text);
 
   std::string type_;
   bool strict_ = false;
+  bool whole_ = false;  ///< the newest message was not left out
+  bool passes_nan_ = false;
+  bool any_reading_ = false;
+  bool told_no_reading_ = false;
+  bool told_unread_ = false;  ///< before any reading
   std::unique_ptr<Reading> reading_;
   std::vector<double> channels_;
   Counts counts_;
