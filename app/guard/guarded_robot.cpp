@@ -21,6 +21,10 @@ constexpr TimeNs kLook = 5'000'000;
 
 /// An adapter sends its hello as soon as it is connected.
 constexpr TimeNs kIntroduction = 2 * kNsPerSecond;
+/// A node of ROS 2 that its own process can make needs no other program, so that one that cannot be
+/// made is a lack of this machine: the robot must not be driven without its guard.
+constexpr int kRos2 = 2;
+
 /// Packets per turn, so that a flood does not delay the timer.
 constexpr int kMostAtOnce = 100;
 
@@ -103,15 +107,21 @@ std::unique_ptr<topics::RawPublisher> GuardedRobot::advertise() {
     // An adapter that has not waited for the answer introduces itself again, and drives meanwhile.
     const bool waits = send_packet(socket_.get(), make_packet("ready")) == 0;
     return waits ? std::move(robot) : nullptr;
+  } catch (const TransportError& error) {
+    refuse(error.what(), hello_.ros == kRos2);
+    return nullptr;
   } catch (const std::exception& error) {
     refuse(error.what());
     return nullptr;
   }
 }
 
-void GuardedRobot::refuse(const std::string& reason) {
+void GuardedRobot::refuse(const std::string& reason, bool ends_run) {
   auto packet = make_packet("refused");
   packet.fields["reason"] = reason;
+  if (ends_run) {
+    packet.fields[kEndsRun] = "1";
+  }
   send_packet(socket_.get(), packet);
 }
 

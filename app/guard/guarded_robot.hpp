@@ -16,8 +16,9 @@ namespace spikeloop::guard {
 class GuardedRobot {
  public:
   struct Events {
-    std::function<void()> changed;              ///< needed() or ended() may have changed
-    std::function<void(const Hello&)> stopped;  ///< a subscriber was sent zeros: its adapter had died
+    std::function<void()> changed;  ///< needed() or ended() may have changed
+    std::function<void(const Hello&)>
+        stopped;  ///< a subscriber was sent zeros: its adapter had died
   };
   /// Both events are called from its thread.
   GuardedRobot(Descriptor socket, Robots& robots, Events events);
@@ -38,7 +39,7 @@ class GuardedRobot {
   void watch(topics::RawPublisher& robot);
   void listen(GuardTimer& timer);
   void announce(const GuardTimer& timer);
-  void refuse(const std::string& reason);
+  void refuse(const std::string& reason, bool ends_run = false);
   void set_needed(bool needed);
 
   Descriptor socket_;

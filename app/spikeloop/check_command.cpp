@@ -11,6 +11,7 @@
 #include "experiment_command.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
+#include "resources.hpp"
 #include "spikeloop/config/music_file.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
@@ -62,6 +63,8 @@ int check(const std::string& path, bool strict) {
   if (!diagnostics.empty()) {
     return print_diagnostics(path, diagnostics);
   }
+  warn_of_participants(
+      needs_of(file, {}, false, [](const std::string&) { return true; }).participants);
   put_result(summary_of(file));
   return 0;
 }

@@ -260,6 +260,19 @@ int run_music_job(const ExperimentArguments& arguments, const Experiment& experi
   return exit_code;
 }
 
+/// Participants of an experiment in the ROS 2 domain, with guard and robot.
+std::size_t participants_of(const Experiment& experiment) {
+  if (experiment.ros != experiment::Ros::ros2) {
+    return 0;
+  }
+  const auto& processes = experiment.layout.processes;
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(
+      processes, [&](const auto& process) { return meets_robot(experiment, process.name); }));
+  const bool guard = std::ranges::any_of(
+      experiment.nodes, [](const auto& node) { return node.kind == experiment::kRosCommand; });
+  return count + (guard ? 1 : 0) + (experiment.robot ? 1 : 0);
+}
+
 /// What is wrong with the file comes first.
 std::unique_ptr<experiment::Loaded> load_with_simulators(const std::string& file,
                                                          const experiment::Overrides& overrides) {
@@ -467,6 +480,7 @@ int check_experiment(const std::string& file, const Settings& settings,
     put_result(fused::resolved_json(experiment::with_layout_delays(experiment)).dump(2) + "\n");
     return 0;
   }
+  warn_of_participants(participants_of(experiment));
   const auto& episodes = experiment.episodes;
   const std::string length = experiment.duration           ? format_time(*experiment.duration)
                              : episodes && episodes->count ? count_of(*episodes->count, "episode")

@@ -168,11 +168,19 @@ Resource participants(const RunNeeds& needs) {
   return {enough,
           fmt::format("domain {} of ROS 2 has room for {} more of its {} participants on this "
                       "machine, and the job needs {}",
-                      found.domain, *free, discovery::kMostParticipants, needs.participants),
+                      found.domain, *free, discovery::most_participants(found.domain),
+                      needs.participants),
           enough
               ? ""
               : "end other programs of the domain, set another ROS_DOMAIN_ID, or put sensors and "
                 "commands into fewer processes (layout)"};
+}
+
+void warn_of_participants(std::size_t needed) {
+  const Resource resource = participants({.participants = needed});
+  if (!resource.enough) {
+    log::warning("{}; {}", resource.text, resource.remedy);
+  }
 }
 
 void require_resources(const RunNeeds& needs) {

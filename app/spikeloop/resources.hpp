@@ -35,6 +35,10 @@ Resource open_files(const RunNeeds& needs);
 Resource address_space(const RunNeeds& needs);
 Resource participants(const RunNeeds& needs);
 
+/// Warns if the domain has no room now: an experiment may be checked on another machine, or
+/// earlier.
+void warn_of_participants(std::size_t needed);
+
 /// Warns if the largest need of a resource is not met.
 /// @throws TransportError for the first resource of which there is not enough
 void require_resources(const RunNeeds& needs);

@@ -93,7 +93,7 @@ TEST(Resources, ParticipantsOfADomainAreCountedOnThisMachine) {
   discovery::Discovery found{.domain = kDomain};
   const int before = discovery::free_participants(found).value();
   const Descriptor first = take_port(kDomain, 0);
-  const Descriptor last = take_port(kDomain, 32);
+  const Descriptor last = take_port(kDomain, 119);
   EXPECT_EQ(discovery::free_participants(found), before - 2);
   found.range = discovery::Range::off;
   EXPECT_FALSE(discovery::free_participants(found));
@@ -103,12 +103,12 @@ TEST(Resources, ParticipantsOfADomainAreCountedOnThisMachine) {
   write_file(settings, "<Discovery><ParticipantIndex>none</ParticipantIndex></Discovery>");
   found.cyclone = "file://" + settings;
   EXPECT_FALSE(discovery::free_participants(found));
-  const Resource too_many = participants({.participants = 36});
+  const Resource too_many = participants({.participants = 130});
   EXPECT_FALSE(too_many.enough);
-  EXPECT_THAT(too_many.text, HasSubstr("33 participants on this machine, and the job needs 36"));
+  EXPECT_THAT(too_many.text, HasSubstr("120 participants on this machine, and the job needs 130"));
   EXPECT_THAT(too_many.remedy, HasSubstr("ROS_DOMAIN_ID"));
   ::setenv("SPIKELOOP_ROS2", "rclcpp", 1);
-  EXPECT_TRUE(participants({.participants = 36}).enough);
+  EXPECT_TRUE(participants({.participants = 130}).enough);
   ::unsetenv("SPIKELOOP_ROS2");
 }
 

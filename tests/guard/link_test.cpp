@@ -17,6 +17,7 @@
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/guard/guard_timer.hpp"
 #include "spikeloop/status/address.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace {
@@ -316,6 +317,23 @@ TEST_F(LinkTest, a_guard_that_refuses) {
   adapter.join();
   EXPECT_THAT(said_,
               ElementsAre(std::string("the guard refuses this adapter: no ROS master") + kAlone));
+}
+
+TEST_F(LinkTest, a_guard_without_a_node_ends_the_run) {
+  listen();
+  std::string error;
+  std::thread adapter(
+      [&] { error = test::error_of<TransportError>([] { const Link link(example()); }); });
+  const Descriptor socket = accept();
+  expect(socket, "hello");
+  auto refusal = make_packet("refused");
+  refusal.fields["reason"] = "the domain is full [SL0604]";
+  refusal.fields[kEndsRun] = "1";
+  send_packet(socket.get(), refusal);
+  adapter.join();
+  EXPECT_EQ(error,
+            "the guard of /cmd_vel cannot become a node of ROS 2, so that nothing would stop the "
+            "robot: the domain is full [SL0604]");
 }
 
 TEST_F(LinkTest, a_new_guard_that_refuses_is_asked_again) {

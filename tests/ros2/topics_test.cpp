@@ -1,6 +1,8 @@
 // Topics as bytes between two nodes over the loopback interface.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 #include <condition_variable>
 #include <cstring>
@@ -12,9 +14,11 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/messages/catalog.hpp"
+#include "spikeloop/processes/descriptor.hpp"
 #include "spikeloop/ros2/session.hpp"
 #include "tests/ros2/domain.hpp"
 #include "tests/ros2/heard.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/temporary_directory.hpp"
 
 namespace {
@@ -461,6 +465,46 @@ TEST(Ros2Session, takes_interfaces_from_cyclonedds_uri) {
     publisher->publish(message_of(pattern(8)));
     return heard.count() > 0;
   }));
+}
+
+/// Occupies a UDP port. Another program may have it already, with the same effect.
+Descriptor take_port(int port) {
+  Descriptor socket{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  return socket;
+}
+
+/// The rmw layers have 33 participants on a machine, and take the first of these ports.
+TEST(Ros2Session, meets_others_beyond_the_ports_that_rmw_tries) {
+  const test::FreeDomain domain;
+  std::vector<Descriptor> taken;
+  for (int index = 0; index < 40; ++index) {
+    taken.push_back(take_port(7410 + 250 * domain.number() + 2 * index));
+  }
+  Heard heard;
+  Session robot({.node_name = "robot", .place = domain.place()});
+  Session brain({.node_name = "brain", .place = domain.place()});
+  const auto publisher = robot.publisher("/in", "std_msgs/String");
+  const auto subscriber = brain.subscriber(heard.subscription("/in", "std_msgs/String", 1));
+  EXPECT_TRUE(eventually(kLong, [&] {
+    publisher->publish(message_of(pattern(8)));
+    return heard.count() > 0;
+  }));
+}
+
+TEST(Ros2Session, names_the_limit_of_a_full_domain) {
+  topics::Place place{{"ROS_DOMAIN_ID", "232"}, {"ROS_LOCALHOST_ONLY", "1"}};
+  std::vector<Descriptor> taken;
+  for (int port = 65'410; port <= 65'535; port += 2) {
+    taken.push_back(take_port(port));
+  }
+  EXPECT_EQ(
+      test::error_of<TransportError>([&] { Session({.node_name = "brain", .place = place}); }),
+      "domain 232 of ROS 2 has no room: all of its 63 participants on this machine exist; end "
+      "other programs of the domain, or set another ROS_DOMAIN_ID [SL0604]");
 }
 
 TEST(Ros2Session, goes_into_the_highest_domain) {

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <utility>
 
+#include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/guard/guard_timer.hpp"
@@ -64,6 +65,11 @@ void Link::ask_first() {
     }
   }
   print(lines);
+  if (!ends_run_.empty()) {
+    throw TransportError(fmt::format(
+        "the guard of {} cannot become a node of ROS 2, so that nothing would stop the robot: {}",
+        hello_.topic, ends_run_));
+  }
 }
 
 bool Link::connect(TimeNs now, Lines& lines) {
@@ -107,6 +113,9 @@ void Link::take(const Received& news, TimeNs now, Lines& lines) {
   } else if (type == "reaches") {
     reaches_.store(true);
     reached_ = true;
+  } else if (type == "refused" && !was_accepted_ && !text_of(news.packet, kEndsRun).empty()) {
+    ends_run_ = text_of(news.packet, "reason");
+    leave(State::off);
   } else if (type == "refused") {
     lose("the guard refuses this adapter: " + text_of(news.packet, "reason"), now, lines);
     if (was_accepted_) {

@@ -158,10 +158,10 @@ std::string meeting(const Discovery& discovery, const Interfaces& machine) {
                                  ? std::string()
                                  : interface_list(machine, !discovery.peers.empty());
   return element("General", chosen + element("AllowMulticast", multicast)) +
-         element("Discovery",
-                 element("ParticipantIndex", "auto") +
-                     element("MaxAutoParticipantIndex", fmt::to_string(kMostParticipants - 1)) +
-                     peer_list(peers));
+         element("Discovery", element("ParticipantIndex", "auto") +
+                                  element("MaxAutoParticipantIndex",
+                                          fmt::to_string(most_participants(discovery.domain) - 1)) +
+                                  peer_list(peers));
 }
 
 /// Only who has the same tag is met.

@@ -33,7 +33,20 @@ std::set<unsigned> udp_ports() {
   return ports;
 }
 
+/// Ports of the DDS Interoperability Wire Protocol, section 9.6.1, for discovery by unicast. The
+/// next port is for messages.
+unsigned discovery_port(std::uint32_t domain, unsigned index) {
+  return 7400 + 250 * domain + 10 + 2 * index;
+}
+
+constexpr unsigned kHighestPort = 65'535;
+
 }  // namespace
+
+unsigned most_participants(std::uint32_t domain) {
+  const unsigned end = std::min(7400 + 250 * (domain + 1), kHighestPort + 1);
+  return (end - discovery_port(domain, 0)) / 2;
+}
 
 std::optional<int> free_participants(const Discovery& discovery) {
   if (discovery.range == Range::off || discovery.range == Range::system_default ||
@@ -42,9 +55,8 @@ std::optional<int> free_participants(const Discovery& discovery) {
   }
   const std::set<unsigned> taken = udp_ports();
   int free = 0;
-  for (unsigned index = 0; index < kMostParticipants; ++index) {
-    // Ports of the DDS Interoperability Wire Protocol, section 9.6.1, for discovery by unicast.
-    free += taken.contains(7400 + 250 * discovery.domain + 10 + 2 * index) ? 0 : 1;
+  for (unsigned index = 0; index < most_participants(discovery.domain); ++index) {
+    free += taken.contains(discovery_port(discovery.domain, index)) ? 0 : 1;
   }
   return free;
 }

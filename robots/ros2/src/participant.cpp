@@ -135,6 +135,13 @@ dds_entity_t created(const char* what, const discovery::Discovery& where,
   CycloneLog::instance().keep();
   const dds_entity_t entity = create();
   const std::string said = CycloneLog::instance().release();
+  if (entity < 0 && discovery::free_participants(where) == 0) {
+    throw TransportError(with_code(Code::resource,
+                                   "domain {} of ROS 2 has no room: all of its {} participants on "
+                                   "this machine exist; end other "
+                                   "programs of the domain, or set another ROS_DOMAIN_ID",
+                                   where.domain, discovery::most_participants(where.domain)));
+  }
   if (entity < 0) {
     throw TransportError(
         with_code(Code::ros_setting, "Cyclone DDS makes no {} in domain {} ({}); look at {}", what,

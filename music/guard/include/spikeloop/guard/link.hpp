@@ -17,6 +17,7 @@ namespace spikeloop::guard {
 class Link {
  public:
   /// Waits until the guard could stop the robot, at most 5 s.
+  /// @throws TransportError if the guard cannot become a node of ROS 2, as this process has.
   explicit Link(const Hello& hello);
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
@@ -66,6 +67,7 @@ class Link {
   TimeNs due_ = 0;     ///< wall time of the next attempt (missing), deadline of the answer (asked)
   TimeNs heard_ = 0;   ///< wall time of the guard's newest packet
   bool lost_ = false;  ///< True after the warning that the robot is not guarded
+  std::string ends_run_;       ///< Reason of the first guard to end the run; empty if none
   bool was_accepted_ = false;  ///< True if a guard has ever accepted this adapter
   bool reached_ = false;       ///< True if a guard has ever been connected to the robot
   std::atomic<bool> guarded_{false};

@@ -41,6 +41,9 @@ std::string encode(const Packet& packet);
 /// Returns a packet with an empty type if the bytes are not a packet.
 Packet decode(std::string_view bytes);
 
+/// Field of "refused": the adapter must not drive the robot.
+inline constexpr const char* kEndsRun = "ends_run";
+
 /// How a command adapter introduces itself.
 struct Hello {
   int protocol = kProtocol;

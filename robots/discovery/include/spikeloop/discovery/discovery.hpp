@@ -44,12 +44,13 @@ struct Interfaces {
 };
 Interfaces interfaces();
 
-/// Largest number of participants of a domain on one machine. The limit of the rmw layers,
-/// which do not discover more. The default of Cyclone DDS is ten.
-inline constexpr unsigned kMostParticipants = 33;
+/// Largest number of participants of a domain on one machine: each takes two UDP ports, and the
+/// ports of the next domain follow after 250. Nodes of other DDS meet them by multicast, or because
+/// Spikeloop's nodes look for them, which try all of these ports. The rmw layers try 33 of them.
+unsigned most_participants(std::uint32_t domain);
 
-/// Participants that can still start on this machine in the domain: each takes one of
-/// kMostParticipants UDP ports. nullopt if `discovery` does not use these ports.
+/// Participants that can still start on this machine in the domain. nullopt if `discovery` does not
+/// use these ports.
 std::optional<int> free_participants(const Discovery& discovery);
 
 /// Settings of Cyclone DDS (XML, then CYCLONEDDS_URI) that meet what the rmw layers of ROS 2 meet
