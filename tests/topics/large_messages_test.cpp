@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <mutex>
 #include <string>
@@ -104,6 +105,43 @@ TEST_F(LargeMessagesTest, are_counted_when_they_do_not_arrive) {
       << heard_.count() << " heard, " << *subscriber->lost() << " lost, " << sent << " sent";
   EXPECT_LE(known(), sent);
   EXPECT_GT(*subscriber->lost(), 0U) << "the buffer is large enough";
+}
+
+/// A part of the messages arrives: large ones between small ones.
+TEST_F(LargeMessagesTest, are_reported_when_a_part_is_lost) {
+  std::mutex mutex;
+  std::vector<std::string> said;
+  log::set_sink([&](log::Level, std::string_view message) {
+    const std::lock_guard lock(mutex);
+    said.emplace_back(message);
+  });
+  const auto publisher = camera_.publisher("/in", kType);
+  test::OutputData data({1, 1});
+  topics::Sensor sensor(brain_, {.topic = "/in", .message_type = kType, .width = 1});
+  wait_for_match(*publisher);
+  const auto drive = [&](double seconds, std::uint32_t numbers) {
+    return test::eventually(seconds, [&] {
+      publisher->publish(message_of_numbers(1));
+      publisher->publish(message_of_numbers(numbers));
+      std::this_thread::sleep_for(kPeriod);
+      sensor.receive(data.step());
+      const std::lock_guard lock(mutex);
+      return std::ranges::any_of(said, [](const std::string& text) {
+        return text.find(
+                   "messages were lost, because the receive buffer is too small for them; give "
+                   "the system a larger one: sysctl -w net.core.rmem_max=8388608") !=
+               std::string::npos;
+      });
+    });
+  };
+  EXPECT_FALSE(drive(3, 1)) << "nothing is lost";
+  EXPECT_TRUE(drive(kPatience, 125'000));
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(std::ranges::count_if(said,
+                                  [](const std::string& text) {
+                                    return text.find("were lost") != std::string::npos;
+                                  }),
+            1);
 }
 
 TEST_F(LargeMessagesTest, leave_a_word_on_the_buffer) {

@@ -1,9 +1,14 @@
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <set>
 #include <sstream>
 #include <string>
+#include <system_error>
+#include <vector>
 
 #include "cyclone_element.hpp"
 #include "spikeloop/discovery/discovery.hpp"
@@ -11,26 +16,53 @@
 namespace spikeloop::discovery {
 namespace {
 
-/// Local UDP ports of this network namespace.
-std::set<unsigned> udp_ports() {
-  std::set<unsigned> ports;
+/// UDP sockets of this network namespace: words of each line of the kernel's table.
+std::vector<std::vector<std::string>> udp_sockets() {
+  std::vector<std::vector<std::string>> sockets;
   for (const char* const path : {"/proc/net/udp", "/proc/net/udp6"}) {
     std::ifstream file(path);
-    for (std::string line; std::getline(file, line);) {
+    std::string line;
+    std::getline(file, line);  // titles
+    while (std::getline(file, line)) {
       std::istringstream words(line);
-      std::string number;
-      std::string local;  // "0100007F:1CF2"
-      words >> number >> local;
-      const auto colon = local.find(':');
-      unsigned port = 0;
-      if (colon != std::string::npos &&
-          std::from_chars(local.data() + colon + 1, local.data() + local.size(), port, 16).ec ==
-              std::errc{}) {
-        ports.insert(port);
-      }
+      sockets.emplace_back(std::istream_iterator<std::string>(words),
+                           std::istream_iterator<std::string>());
+    }
+  }
+  return sockets;
+}
+
+// Columns of the table.
+constexpr std::size_t kLocal = 1;  // "0100007F:1CF2"
+constexpr std::size_t kInode = 9;
+constexpr std::size_t kDrops = 12;
+
+std::set<unsigned> udp_ports() {
+  std::set<unsigned> ports;
+  for (const auto& words : udp_sockets()) {
+    if (words.size() <= kLocal) {
+      continue;
+    }
+    const std::string& local = words[kLocal];
+    const auto colon = local.find(':');
+    unsigned port = 0;
+    if (colon != std::string::npos &&
+        std::from_chars(local.data() + colon + 1, local.data() + local.size(), port, 16).ec ==
+            std::errc{}) {
+      ports.insert(port);
     }
   }
   return ports;
+}
+
+/// "socket:[12345]" of every open socket.
+std::set<std::string> own_sockets() {
+  std::set<std::string> sockets;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
+    sockets.insert(std::filesystem::read_symlink(entry.path(), error).string());
+  }
+  return sockets;
 }
 
 /// Ports of the DDS Interoperability Wire Protocol, section 9.6.1, for discovery by unicast. The
@@ -59,6 +91,17 @@ std::optional<int> free_participants(const Discovery& discovery) {
     free += taken.contains(discovery_port(discovery.domain, index)) ? 0 : 1;
   }
   return free;
+}
+
+std::uint64_t dropped_packets() {
+  const std::set<std::string> own = own_sockets();
+  std::uint64_t dropped = 0;
+  for (const auto& words : udp_sockets()) {
+    if (words.size() > kDrops && own.contains("socket:[" + words[kInode] + "]")) {
+      dropped += std::strtoull(words[kDrops].c_str(), nullptr, 10);
+    }
+  }
+  return dropped;
 }
 
 }  // namespace spikeloop::discovery

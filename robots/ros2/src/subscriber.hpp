@@ -20,6 +20,7 @@ class Subscriber final : public topics::RawSubscriber {
   ~Subscriber() override;
 
   bool has_publishers() const override;
+  std::uint64_t dropped_packets() const override { return discovery::dropped_packets(); }
   std::string misfit() const override;
   bool latched() const override { return sources_.all_latched(); }
   std::optional<std::uint64_t> lost() const override;

@@ -15,6 +15,10 @@ namespace {
 
 constexpr TimeNs kPatience = 2 * kNsPerSecond;
 constexpr TimeNs kLook = kNsPerSecond / 10;
+/// A warning needs so many messages, of which one in this many is lost.
+constexpr std::uint64_t kLeastForLoss = 20;
+constexpr std::uint64_t kLargePart = 10;
+constexpr TimeNs kSuspension = kNsPerSecond;
 /// Time in which the name of a node follows its type; nodes of plain DDS have none.
 constexpr TimeNs kIntroduction = kNsPerSecond / 2;
 
@@ -125,6 +129,45 @@ bool TopicReader::nothing_arrives_whole() {
   return lost().value_or(0) > 0 && has_publishers();
 }
 
+/// Warns once if a large part of the messages is lost. A loop that was suspended lost them itself.
+void TopicReader::mind_loss() {
+  const TimeNs now = wall_now();
+  if (told_loss_ || now - minded_loss_at_ < kLook) {
+    return;
+  }
+  const bool suspended = now - minded_loss_at_ > kSuspension;
+  minded_loss_at_ = now;
+  const Window current{.begin = now, .received = received_, .lost = lost().value_or(0)};
+  const std::uint64_t lost = current.lost - window_.lost;
+  const std::uint64_t sent = current.received - window_.received + lost;
+  if (suspended) {
+    window_ = current;
+    return;
+  }
+  if (now - window_.begin < kPatience || sent < kLeastForLoss) {
+    return;
+  }
+  window_ = current;
+  if (lost * kLargePart < sent) {
+    return;
+  }
+  told_loss_ = true;
+  const std::string text =
+      fmt::format("topic '{}': {} of {} messages were lost", topic_, lost, sent);
+  if (subscriber_->dropped_packets() > 0) {
+    log::warning(
+        "{}, because the receive buffer is too small for them; give the system a larger one: "
+        "sysctl "
+        "-w net.core.rmem_max=8388608  (for a container: on its host), or publish reliably",
+        text);
+  } else {
+    log::warning(
+        "{}, but not by the receive buffer of this machine; look at the network and the load of "
+        "this machine, or publish reliably",
+        text);
+  }
+}
+
 void TopicReader::mind_silence(TimeNs now, TimeNs newest_at) {
   started_ = started_ == 0 ? now : started_;
   if (newest_at == 0 && wall_now() - looked_at_ >= kLook) {
@@ -167,6 +210,7 @@ void TopicReader::require_sound() const {
 
 void TopicReader::check(std::optional<TimeNs> simulated) {
   require_sound();
+  mind_loss();
   TimeNs newest_at = 0;
   {
     const std::lock_guard lock(mutex_);

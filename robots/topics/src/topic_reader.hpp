@@ -65,6 +65,7 @@ class TopicReader {
   void report_other_type() const;
   void mind_silence(TimeNs now, TimeNs newest_at);
   bool nothing_arrives_whole();
+  void mind_loss();
 
   Session& session_;
   TopicReaderSettings settings_;
@@ -84,6 +85,15 @@ class TopicReader {
   TimeNs looked_at_ = 0;
   TimeNs noticed_ = 0;  // newest_at_ at the tick that began at noticed_at_
   TimeNs noticed_at_ = 0;
+  /// Messages of the last seconds: a warning needs a large part of many.
+  struct Window {
+    TimeNs begin = 0;
+    std::uint64_t received = 0;  ///< at its begin
+    std::uint64_t lost = 0;
+  };
+  Window window_{};
+  TimeNs minded_loss_at_ = 0;
+  bool told_loss_ = false;
   bool told_nothing_came_ = false;
   bool told_nothing_comes_ = false;
   std::unique_ptr<RawSubscriber> subscriber_;  // last: what its callbacks use is there before it

@@ -53,6 +53,10 @@ unsigned most_participants(std::uint32_t domain);
 /// use these ports.
 std::optional<int> free_participants(const Discovery& discovery);
 
+/// Packets that this process has lost since its start because the receive buffers of its UDP
+/// sockets were full. 0 if the kernel does not report it.
+std::uint64_t dropped_packets();
+
 /// Settings of Cyclone DDS (XML, then CYCLONEDDS_URI) that meet what the rmw layers of ROS 2 meet
 /// in the same range, whichever DDS they run on. For all but system_default this process's port is
 /// one of those that the others try.

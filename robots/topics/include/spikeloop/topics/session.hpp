@@ -51,6 +51,9 @@ class RawSubscriber {
   /// comes, or after a second without one. What is heard of is looked at here: while nothing comes,
   /// it is to be asked from time to time.
   virtual std::optional<std::uint64_t> lost() const { return std::nullopt; }
+  /// Packets that this process has lost since its start because its receive buffers were full. Over
+  /// ROS 2 a message is lost with one of its packets unless it is sent reliably.
+  virtual std::uint64_t dropped_packets() const { return 0; }
   /// Quality of service that publishers of this topic offer and this subscriber cannot take, as
   /// RawPublisher::misfit().
   virtual std::string misfit() const { return {}; }
