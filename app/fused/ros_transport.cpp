@@ -70,6 +70,11 @@ void RosTransport::add(const std::string& topic, ros_command::CommandEndpoint& c
                          [&command] { return command.has_subscribers(); },
                          [&command] { return command.sent(); },
                          {}});
+    if (const std::string positions = command.positions_topic(); !positions.empty()) {
+      robot_->add_sensor({session_->whole_topic(positions),
+                          [&command] { return command.positions_have_publisher(); },
+                          [&command] { return command.positions_received(); }, [] {}});
+    }
   }
 }
 

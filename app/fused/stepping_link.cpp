@@ -106,7 +106,9 @@ void SteppingLink::begin() {
   }
   Request request{.kind = Request::Kind::begin, .run = number_of_run(), .tick = tick_};
   for (const SteppedTopic& topic : sensors_) {
-    request.sensors.push_back(topic.name);
+    if (std::ranges::find(request.sensors, topic.name) == request.sensors.end()) {
+      request.sensors.push_back(topic.name);  // two parts of the process may read one topic
+    }
   }
   for (const SteppedTopic& topic : commands_) {
     request.commands.push_back(topic.name);

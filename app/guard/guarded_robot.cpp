@@ -149,7 +149,7 @@ void GuardedRobot::watch(topics::RawPublisher& robot) {
       send_packet(socket_.get(), make_packet("reaches"));
     }
     if (timer.poll(wall_now(), heard)) {
-      robot.publish(hello_.zero);
+      stop(robot);
     }
     announce(timer);
     // Not when it is over: leaving ROS may take as long as a master hangs.
@@ -159,6 +159,13 @@ void GuardedRobot::watch(topics::RawPublisher& robot) {
     events_.stopped(hello_);
   }
   robot.drain();
+}
+
+/// Each stop has one message: the robot is not moved while it is stopped.
+void GuardedRobot::stop(topics::RawPublisher& robot) {
+  if (!hello_.stop.empty()) {
+    robot.publish(hello_.stop);
+  }
 }
 
 void GuardedRobot::listen(GuardTimer& timer) {
@@ -174,6 +181,8 @@ void GuardedRobot::listen(GuardTimer& timer) {
     }
     if (type == "beat") {
       timer.beat(wall_now());
+    } else if (type == "stop") {
+      hello_.stop = stop_message(news.packet);
     } else if (type == "done") {
       timer.done();
     }

@@ -38,6 +38,7 @@ class GuardedRobot {
   std::unique_ptr<topics::RawPublisher> advertise();
   void watch(topics::RawPublisher& robot);
   void listen(GuardTimer& timer);
+  void stop(topics::RawPublisher& robot);
   void announce(const GuardTimer& timer);
   void refuse(const std::string& reason, bool ends_run = false);
   void set_needed(bool needed);

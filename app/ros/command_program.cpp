@@ -2,6 +2,7 @@
 // driving.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "programs.hpp"
@@ -138,6 +139,9 @@ command::CommandSettings command_settings(const music::Process& process, const S
       command::command_settings(parameters, map, parameters.number("command_rate"),
                                 {common.music_timestep, common.rtf}, with_data_stamp);
   experiment::add_bounds(section.node, settings);
+  const auto states =
+      std::ranges::find(sensors, "sensor_msgs/JointState", &SensorTopic::message_type);
+  experiment::add_stop(section.node, states == sensors.end() ? "" : states->sensor.topic, settings);
   experiment::add_operator_input(section.node, section.ros.ros, settings);
   for (const SensorTopic& sensor : sensors) {
     settings.sensors.push_back(sensor.sensor);

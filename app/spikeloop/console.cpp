@@ -109,13 +109,16 @@ void Console::log(log::Level level, std::string_view message) {
 
 void Console::end(const launch::JobResult& result, const launch::Progress& progress) {
   const std::lock_guard lock(mutex_);
-  const std::string finished = "finished: " + progress_text(progress, follows_clock_);
+  const std::string remark = result.remark.empty() ? "" : "; " + result.remark;
+  const std::string finished = "finished: " + progress_text(progress, follows_clock_) + remark;
   keep(result.exit_code != 0 ? fmt::format("{}; exit code {}", result.reason, result.exit_code)
                              : finished);
   if (result.exit_code != 0) {
     write("spikeloop: " + result.reason);
   } else if (volume_ != Volume::quiet) {
     write("spikeloop: " + finished);
+  } else if (!result.remark.empty()) {
+    write("spikeloop: warning: " + result.remark);
   }
   clear();
 }

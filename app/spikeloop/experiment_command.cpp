@@ -188,7 +188,7 @@ int run_here(const Experiment& experiment, const fused::RunOptions& options, Con
                                 .ended = say_which_signal};
   const fused::RunResult result = fused::run(experiment, options, events);
   log::set_sink({});
-  console.end({result.exit_code, result.reason, {}}, last);
+  console.end({result.exit_code, result.reason, result.remark, {}}, last);
   return result.exit_code;
 }
 

@@ -74,6 +74,7 @@ Exit codes:
   0  finished              2  the file or an option is invalid
   3  a program, the robot or the ROS master is missing, stalls or ends too early
   4  a file cannot be read or written                       5  a node failed
+  7  messages arrived, and none of them was usable
   129, 130, 131, 138, 143  stopped by SIGHUP (a closed terminal), Ctrl-C, SIGQUIT, SIGUSR1, SIGTERM
   128 + N  a program was killed by signal N
   other    exit code of the first program that failed)";

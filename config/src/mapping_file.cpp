@@ -66,9 +66,17 @@ class MappingReader {
       fail(with_code(Code::wrong_shape, "the file holds {}, no object; write {}", shown_json(json_),
                      kExample));
     }
-    check_keys(json_, {"message_type", "mapping", "min", "max"}, {});
+    check_keys(json_, {"message_type", "mapping", "min", "max", "stop"}, {});
     read_message_type();
     read_limits(json_, {}, minimum_, maximum_);
+    read_stop(json_, {}, mapping_.stop);
+    if (mapping_.stop && (mapping_.stop->value != 0 || !mapping_.stop->joint.empty())) {
+      fail(with_code(
+               Code::unknown_choice,
+               "'stop' of all fields is {}; write \"zero\" or \"hold\", or the value at a field",
+               shown_json(json_["stop"])),
+           {"stop"});
+    }
     if (json_.contains("mapping")) {
       read_fields(json_["mapping"]);
     } else if (mapping_.message_type == kArray) {
@@ -175,6 +183,19 @@ class MappingReader {
     }
   }
 
+  void read_stop(const Json& object, const Path& of, std::optional<StopRule>& stop) const {
+    if (!object.contains("stop")) {
+      return;
+    }
+    const Json& value = object["stop"];
+    const Path path = below(of, "stop");
+    try {
+      stop = parse_stop(value.is_string() ? value.get<std::string>() : value.dump());
+    } catch (const ConfigurationError& error) {
+      fail(fmt::format("'{}': {}", name_of(path), error.what()), path);
+    }
+  }
+
   void read_all_channels() {
     mapping_.all_channels = true;
     if (minimum_ || maximum_) {
@@ -216,6 +237,7 @@ class MappingReader {
     CommandField field{.field = name, .where = where(path)};
     field.minimum = minimum_;
     field.maximum = maximum_;
+    field.stop = mapping_.stop;
     if (!value.is_object()) {
       if (const auto channel = read_channel(value, path)) {
         field.channel = *channel;
@@ -223,7 +245,7 @@ class MappingReader {
       }
       return;
     }
-    check_keys(value, {"channel", "scale", "offset", "min", "max", "slew"}, path);
+    check_keys(value, {"channel", "scale", "offset", "min", "max", "slew", "stop"}, path);
     if (!value.contains("channel")) {
       fail(with_code(Code::missing_key, "'{}' has no channel; write {{\"channel\": 0}}",
                      name_of(path)),
@@ -233,6 +255,7 @@ class MappingReader {
     field.offset = value.contains("offset") ? number(value, "offset", path) : 0.0;
     read_limits(value, path, field.minimum, field.maximum);
     read_slew(value, path, field.slew);
+    read_stop(value, path, field.stop);
     if (const auto channel = read_channel(value["channel"], below(path, "channel"))) {
       field.channel = *channel;
       add(field, path);
@@ -295,6 +318,38 @@ CommandMapping array_instead(const std::string& file, const std::string& reason,
 }
 
 }  // namespace
+
+StopRule parse_stop(std::string_view text) {
+  constexpr std::string_view kHold = "hold";
+  if (text == kHold) {
+    return {.hold = true};
+  }
+  if (text.starts_with("hold ")) {
+    const std::string_view joint = text.substr(kHold.size() + 1);
+    return {.hold = true, .joint = std::string(joint)};
+  }
+  if (text == "zero") {
+    return {};
+  }
+  StopRule rule;
+  const char* const end = text.data() + text.size();
+  const auto [read, error] = std::from_chars(text.data(), end, rule.value);
+  if (error != std::errc{} || read != end || !std::isfinite(rule.value)) {
+    throw ConfigurationError(
+        with_code(Code::not_a_number,
+                  "{} is no value for a stop; write a number, or hold, or hold and the name of a "
+                  "joint",
+                  music_text::shown(text)));
+  }
+  return rule;
+}
+
+std::string stop_text(const StopRule& rule) {
+  if (!rule.hold) {
+    return fmt::to_string(rule.value);
+  }
+  return rule.joint.empty() ? "hold" : "hold " + rule.joint;
+}
 
 CommandMapping parse_mapping(std::string_view text, const std::string& file,
                              const MappingOptions& options) {

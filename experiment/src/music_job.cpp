@@ -23,6 +23,9 @@ namespace {
 /// The mapping that a ros_command wrote in place, as the file that its program reads.
 std::string mapping_text(const CommandMapping& mapping) {
   nlohmann::ordered_json json{{"message_type", mapping.message_type}};
+  if (mapping.stop) {
+    json["stop"] = stop_text(*mapping.stop);
+  }
   for (const CommandField& field : mapping.fields) {
     auto& entry = json["mapping"][field.field];
     entry = {{"channel", field.channel}, {"scale", field.scale}, {"offset", field.offset}};
@@ -34,6 +37,9 @@ std::string mapping_text(const CommandMapping& mapping) {
     }
     if (field.slew) {
       entry["slew"] = *field.slew;
+    }
+    if (field.stop) {
+      entry["stop"] = stop_text(*field.stop);
     }
   }
   return json.dump(2) + "\n";

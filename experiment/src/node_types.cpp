@@ -108,7 +108,11 @@ Parameter command_fields() {
                               channel("offset", "0", "Added after the factor"),
                               channel("min", "", "Minimum of the field"),
                               channel("max", "", "Maximum of the field"),
-                              channel("slew", "", "Largest change per second")},
+                              channel("slew", "", "Largest change per second"),
+                              {.name = "stop",
+                               .type = ParameterType::text,
+                               .default_value = "",
+                               .text = "Value at a stop, as in the key stop"}},
                     .plain_key = "channel",
                     .example = "{channel: 1, scale: 0.5}"},
                    "{linear.x: 0, angular.z: 1}");
@@ -132,6 +136,18 @@ Parameter slew() {
                    {.minimum = 0}, "{linear.x: 1.0}");
 }
 
+Parameter stop() {
+  Parameter stop = of_fields(
+      "stop",
+      "Value of fields while the robot is stopped: a number, hold (the last position), or hold "
+      "NAME "
+      "(the measured position of joint NAME); or zero or hold for all fields; not given: positions "
+      "are held, other fields are 0",
+      {.type = ParameterType::text}, "{\"data[0]\": hold}");
+  stop.choices = {"zero", "hold"};
+  return stop;
+}
+
 NodeDescription ros_command() {
   NodeDescription command;
   command.name = kRosCommand;
@@ -149,13 +165,22 @@ NodeDescription ros_command() {
       command_fields(),
       limits(),
       slew(),
+      stop(),
+      {.name = "joint_states",
+       .type = ParameterType::text,
+       .default_value = "",
+       .text =
+           "Topic of sensor_msgs/JointState with the positions that a stop holds; not given: that "
+           "of an upstream sensor, else joint_states in the namespace of topic; none: a stop "
+           "holds the last command"},
       number("command_rate", "Hz", "20 Hz", 0,
              "Rate at which commands are repeated, multiplied by the real-time factor; 0: never"),
       number("deadband", "1", "0.01", 0,
              "Change of a field, as a fraction of its range, that is sent immediately"),
-      number("min_interval", "s", "10 ms", 0,
-             "Shortest time between two changes of the command; not given: one tick, at least 10 ms; "
-             "in lockstep 1 ms"),
+      number(
+          "min_interval", "s", "10 ms", 0,
+          "Shortest time between two changes of the command; not given: one tick, at least 10 ms; "
+          "in lockstep 1 ms"),
       number("watchdog", "s", "100 ms", 1e-3,
              "Wall time without a tick after which a zero command is sent; not given: 3 ticks, at "
              "least 100 ms"),

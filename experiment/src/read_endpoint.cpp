@@ -64,6 +64,28 @@ void add_slew(const Parameters& parameters, Json& fields) {
   }
 }
 
+/// @throws ConfigurationError at `where`.
+std::string checked_stop(const std::string& value, const Location& where) {
+  located_at(where, [&] {
+    try {
+      return parse_stop(value);
+    } catch (const ConfigurationError& error) {
+      throw ConfigurationError(fmt::format("key 'stop': {}", error.what()));
+    }
+  });
+  return value;
+}
+
+/// `stop` as that of the mapping and of its fields.
+void add_stop(const Parameters& parameters, Json& mapping, Json& fields) {
+  if (const std::string all = parameters.word("stop"); !all.empty()) {
+    mapping["stop"] = all;
+  }
+  for (const Parameters::Entry& entry : parameters.entries("stop")) {
+    field_of(fields, entry, "stop")["stop"] = checked_stop(entry.values.text(kAnyKey), entry.where);
+  }
+}
+
 /// `fields` as a mapping file has them.
 Json mapped_fields(const Parameters& parameters) {
   Json fields = Json::object();
@@ -75,6 +97,9 @@ Json mapped_fields(const Parameters& parameters) {
         field[key] = values.number(key);
       }
     }
+    if (values.given("stop")) {
+      field["stop"] = checked_stop(values.text("stop"), values.where("stop"));
+    }
   }
   return fields;
 }
@@ -84,6 +109,7 @@ CommandMapping command_mapping(const Parameters& parameters) {
   Json fields = mapped_fields(parameters);
   add_limits(parameters, fields);
   add_slew(parameters, fields);
+  add_stop(parameters, mapping, fields);
   if (!fields.empty()) {
     mapping["mapping"] = fields;
   } else if (parameters.text("message") != "std_msgs/Float64MultiArray") {
@@ -139,6 +165,10 @@ void check_transport(const Node& node, messages::Dialect ros) {
     }
   }
   if (node.kind == kRosCommand) {
+    if (const std::string& states = parameters.text("joint_states");
+        !states.empty() && states != "none") {
+      check_topic(parameters, "joint_states", ros, states);
+    }
     const std::string stop = emergency_stop(node, ros).topic;
     const std::string manual = manual_override(node).topic;
     if (!stop.empty()) {

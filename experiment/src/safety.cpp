@@ -178,6 +178,30 @@ void add_bounds(const Node& command, command::CommandSettings& settings) {
   }
 }
 
+void add_stop(const Node& command, const std::string& sensor, command::CommandSettings& settings) {
+  settings.stops = command::stop_rules(command.mapping, settings.width);
+  const std::string& written = command.parameters.text("joint_states");
+  const std::string& topic = command.parameters.text("topic");
+  if (written == kNone) {
+    settings.joint_states.clear();
+  } else if (!written.empty()) {
+    settings.joint_states = written;
+  } else if (!sensor.empty()) {
+    settings.joint_states = sensor;
+  } else {
+    settings.joint_states = topic.substr(0, topic.rfind('/') + 1) + "joint_states";
+  }
+}
+
+std::string joint_state_sensor(const Experiment& experiment, const Node& command) {
+  for (const Node* sensor : sensors_behind(experiment, command.name)) {
+    if (sensor->parameters.text("message") == "sensor_msgs/JointState") {
+      return sensor->parameters.text("topic");
+    }
+  }
+  return "";
+}
+
 TimeNs spike_timeout(const Node& command) {
   return from_seconds(command.parameters.number("spike_timeout"));
 }

@@ -61,6 +61,19 @@ command::CommandSettings clock_settings(const Experiment& experiment, const Node
              : command::simulated_settings(keys, map, clock, with_data_stamp);
 }
 
+/// In lockstep the run must not depend on a topic that the robot may not count: there only the
+/// robot of the experiment has one that nobody has named.
+void add_stop(const Experiment& experiment, const Node& node, CommandClock clock,
+              command::CommandSettings& settings) {
+  const std::string sensor = experiment::joint_state_sensor(experiment, node);
+  experiment::add_stop(node, sensor, settings);
+  const bool named = !sensor.empty() || node.parameters.given("joint_states");
+  const bool counted = experiment.robot && experiment.robot->model;
+  if (clock == CommandClock::lockstep && !named && !counted) {
+    settings.joint_states.clear();
+  }
+}
+
 /// With the bounds, and all that stops the robot.
 command::CommandSettings command_settings(const Experiment& experiment, const Node& node,
                                           const command::ComponentMap& map, CommandClock clock) {
@@ -69,6 +82,7 @@ command::CommandSettings command_settings(const Experiment& experiment, const No
   const auto driver = std::ranges::find(experiment.connections, node.name + ".in", &Connection::to);
   settings.driver = driver == experiment.connections.end() ? "" : driver->from;
   experiment::add_bounds(node, settings);
+  add_stop(experiment, node, clock, settings);
   settings.sensors = experiment::watched_sensors(experiment, node);
   for (const Connection* connection : watched_spikes(experiment, node)) {
     settings.spike_widths.push_back(connection->width);

@@ -20,6 +20,7 @@
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/simulators.hpp"
+#include "spikeloop/status/no_command.hpp"
 
 namespace spikeloop::fused {
 namespace {
@@ -432,6 +433,21 @@ struct Run::Impl {
     }
   }
 
+  /// The launcher judges a job of several processes.
+  void judge_commands() {
+    if (surroundings.others != nullptr || result.exit_code != 0 ||
+        !result.summary.contains("counters")) {
+      return;
+    }
+    const auto no_command = status::find_no_command(result.summary["counters"]);
+    if (no_command && no_command->nothing_usable) {
+      result.exit_code = status::kNothingUsable;
+      result.reason = no_command->reason;
+    } else if (no_command) {
+      result.remark = no_command->reason;
+    }
+  }
+
   void write_end() {
     if (!options.folder.empty()) {
       attempt(result, [&] { write_results(assembly->graph(), options.folder); });
@@ -477,8 +493,11 @@ RunResult Run::finish() {
   if (impl_->events.ended) {
     impl_->events.ended(result);
   }
+  impl_->judge_commands();
   result.summary["exit_code"] = result.exit_code;
-  result.summary["exit_reason"] = result.exit_code == 0 ? "finished" : result.reason;
+  const std::string finished =
+      result.remark.empty() ? "finished" : fmt::format("finished; {}", result.remark);
+  result.summary["exit_reason"] = result.exit_code == 0 ? finished : result.reason;
   impl_->write_end();
   return result;
 }

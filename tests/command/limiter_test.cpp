@@ -43,7 +43,7 @@ TEST(Limiter, minimum_and_maximum_cut_and_are_counted) {
 // 2 m/s^2: 0.5 m/s is reached after 250 ms, -0.5 m/s another 500 ms later.
 TEST(Limiter, slew_is_the_fastest_way_to_a_value) {
   Limiter limiter({{.slew = 2}}, 1);
-  limiter.restart(100 * kMs);
+  limiter.restart(std::vector<double>{0}, 100 * kMs);
   EXPECT_THAT(shape(limiter, {0.5}, 100 * kMs), ElementsAre(0));
   EXPECT_THAT(shape(limiter, {0.5}, 200 * kMs), ElementsAre(0.2));
   EXPECT_THAT(shape(limiter, {0.5}, 349 * kMs), ElementsAre(testing::DoubleEq(0.498)));
@@ -56,8 +56,18 @@ TEST(Limiter, slew_is_the_fastest_way_to_a_value) {
 TEST(Limiter, after_a_stop_the_way_starts_at_zero) {
   Limiter limiter({{.slew = 1}}, 1);
   EXPECT_THAT(shape(limiter, {1}, 1000 * kMs), ElementsAre(1));
-  limiter.restart(5000 * kMs);
+  limiter.restart(std::vector<double>{0}, 5000 * kMs);
   EXPECT_THAT(shape(limiter, {1}, 5001 * kMs), ElementsAre(0.001));
+}
+
+TEST(Limiter, after_a_stop_the_way_of_a_position_starts_where_it_is_held) {
+  Limiter limiter({{.minimum = 0.5, .slew = 1, .zero_stands = false}}, 1);
+  limiter.restart(std::vector<double>{0.8}, 0);
+  EXPECT_THAT(shape(limiter, {1}, 100 * kMs), ElementsAre(0.9));
+  const std::vector<double> zero{0};
+  const bool may_stand = true;
+  EXPECT_THAT(limiter.shape(zero, 1000 * kMs, may_stand), ElementsAre(0.5))
+      << "position 0 is no stop, so that the limits apply";
 }
 
 TEST(Limiter, a_clock_that_goes_back_moves_nothing) {

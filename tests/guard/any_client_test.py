@@ -40,8 +40,8 @@ def connect(path):
 
 
 def hello(topic):
-    return packet("hello", protocol=4, process="wheels", topic=topic, message_type="geometry_msgs/Twist", ros=2,
-                  watchdog=int(5e9), zero=b"\0\1\0\0" + bytes(48),
+    return packet("hello", protocol=5, process="wheels", topic=topic, message_type="geometry_msgs/Twist", ros=2,
+                  watchdog=int(5e9), stop=b"\0\1\0\0" + bytes(48),
                   **{"place.ROS_DOMAIN_ID": os.environ["ROS_DOMAIN_ID"], "place.ROS_LOCALHOST_ONLY": "1"})
 
 
@@ -91,7 +91,7 @@ def nested_and_huge(path):
     """CBOR, JSON and lengths that exhaust the stack or the memory of a careless reader."""
     for data in (bytes.fromhex("bbfffffffffffffff0"), b"\x81" * 30000, b"\x81" * 150000, b"[" * 150000,
                  struct.pack("=I", 0xffffffff), struct.pack("=I", 0xffffffff) * 1000, b"\0" * 150000,
-                 packet("hello"), packet("hello", protocol="9" * 1000, zero=b"\0" * 100000)):
+                 packet("hello"), packet("hello", protocol="9" * 1000, stop=b"\0" * 100000)):
         send_all(path, [data])
 
 
@@ -111,7 +111,7 @@ def impatient_adapter(path):
 
 def random_bytes(path, seed):
     draw = random.Random(seed)
-    good = packet("hello", protocol=4, process="p", topic="/t", message_type="std_msgs/Bool", ros=2, watchdog=1, zero=b"")
+    good = packet("hello", protocol=5, process="p", topic="/t", message_type="std_msgs/Bool", ros=2, watchdog=1, stop=b"")
     for _ in range(300):
         data = bytearray(good if draw.random() < 0.5 else draw.randbytes(draw.choice((1, 9, 100, 5000))))
         for _ in range(draw.randrange(1, 5)):

@@ -36,7 +36,7 @@ Hello example() {
   hello.ros = 2;
   hello.place = {{"ROS_DOMAIN_ID", "7"}};
   hello.watchdog = 100'000'000;
-  hello.zero = {std::byte{0}, std::byte{255}, std::byte{7}};
+  hello.stop = {std::byte{0}, std::byte{255}, std::byte{7}};
   return hello;
 }
 
@@ -50,7 +50,7 @@ TEST(Protocol, a_hello_arrives_as_it_was) {
   EXPECT_EQ(hello->ros, 2);
   EXPECT_EQ(hello->place, example().place);
   EXPECT_EQ(hello->watchdog, 100'000'000);
-  EXPECT_EQ(hello->zero, example().zero);
+  EXPECT_EQ(hello->stop, example().stop);
 }
 
 TEST(Protocol, what_is_no_hello_is_none) {
@@ -416,7 +416,7 @@ TEST_F(LinkTest, a_guard_that_does_not_answer) {
 TEST_F(LinkTest, a_message_that_is_too_large) {
   listen();
   Hello hello = example();
-  hello.zero.resize(64u << 20);
+  hello.stop.resize(64u << 20);
   const Link link(hello);
   EXPECT_THAT(said_, ElementsAre(std::string("cannot register /cmd_vel with the guard (Message too "
                                              "long)") +

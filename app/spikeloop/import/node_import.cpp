@@ -61,6 +61,9 @@ std::string field_text(const CommandField& field) {
   if (field.slew) {
     add("slew", *field.slew);
   }
+  if (field.stop) {
+    text += fmt::format(", stop: {}", stop_text(*field.stop));
+  }
   return fmt::format("\n      {}: {{{}}}", field.field, text);
 }
 
@@ -309,6 +312,9 @@ void NodeImporter::add_fields(const MusicSection& section, const RosProgram& pro
   });
   add("message", mapping.message_type);
   if (mapping.all_channels) {
+    if (mapping.stop) {
+      add("stop", mapping.stop->hold ? "hold" : "zero");
+    }
     return;
   }
   if (mapping.fields.empty()) {

@@ -85,6 +85,7 @@ bool Link::connect(TimeNs now, Lines& lines) {
          now, lines);
     return false;
   }
+  stop_is_known_ = true;
   state_ = State::asked;
   due_ = now + kPatience;
   return true;
@@ -159,6 +160,19 @@ void Link::check_silence(TimeNs now, Lines& lines) {
   }
 }
 
+void Link::set_stop(std::vector<std::byte> message) {
+  const std::lock_guard lock(mutex_);
+  stop_is_known_ = stop_is_known_ && message == hello_.stop;
+  hello_.stop = std::move(message);
+}
+
+/// An unread packet is waited for: a guard that was stopped must find the newest message.
+void Link::send_stop() {
+  if (!stop_is_known_ && !has_unread(socket_.get())) {
+    stop_is_known_ = send_packet(socket_.get(), stop_packet(hello_.stop)) == 0;
+  }
+}
+
 TimeNs Link::beat(TimeNs now) {
   Lines lines;
   {
@@ -172,6 +186,7 @@ TimeNs Link::beat(TimeNs now) {
     }
     if (state_ == State::accepted) {
       check_silence(now, lines);
+      send_stop();
       // Ignore errors: with a full socket the guard still has beats to read, and read() above
       // detects a guard that has ended.
       send_packet(socket_.get(), make_packet("beat"));

@@ -21,6 +21,12 @@ namespace {
 
 const std::string kPlace = "place.";  // prefix of the keys of Hello::place
 
+const std::string kStop = "stop";  // a packet, and the key of its message
+
+std::string text_from(const std::vector<std::byte>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
 void append(std::string_view text, std::string& bytes) {
   const auto size = static_cast<std::uint32_t>(text.size());
   bytes.append(reinterpret_cast<const char*>(&size), sizeof size);
@@ -78,7 +84,7 @@ Packet to_packet(const Hello& hello) {
                  {"message_type", hello.message_type},
                  {"ros", fmt::to_string(hello.ros)},
                  {"watchdog", fmt::to_string(hello.watchdog)},
-                 {"zero", {reinterpret_cast<const char*>(hello.zero.data()), hello.zero.size()}}}};
+                 {kStop, text_from(hello.stop)}}};
   for (const auto& [name, value] : hello.place) {
     packet.fields[kPlace + name] = value;
   }
@@ -98,15 +104,23 @@ std::optional<Hello> read_hello(const Packet& packet) {
   hello.message_type = text_of(packet, "message_type");
   hello.ros = static_cast<int>(*ros);
   hello.watchdog = *watchdog;
-  for (const char byte : text_of(packet, "zero")) {
-    hello.zero.push_back(std::byte(byte));
-  }
+  hello.stop = stop_message(packet);
   for (const auto& [key, value] : packet.fields) {
     if (key.starts_with(kPlace)) {
       hello.place[key.substr(kPlace.size())] = value;
     }
   }
   return hello;
+}
+
+Packet stop_packet(const std::vector<std::byte>& message) {
+  return {kStop, {{kStop, text_from(message)}}};
+}
+
+std::vector<std::byte> stop_message(const Packet& packet) {
+  const std::string text = text_of(packet, kStop);
+  const auto* const bytes = reinterpret_cast<const std::byte*>(text.data());
+  return {bytes, bytes + text.size()};
 }
 
 Packet make_packet(std::string_view type) {
@@ -162,12 +176,15 @@ Received receive_packet(int fd) {
   return {.packet = static_cast<std::size_t>(size) > kLongestPacket ? Packet{} : decode(bytes)};
 }
 
-void send_beat(int fd) {
+bool has_unread(int fd) {
   int unread = 0;
-  if (ioctl(fd, SIOCOUTQ, &unread) == 0 && unread > 0) {
-    return;
+  return ioctl(fd, SIOCOUTQ, &unread) == 0 && unread > 0;
+}
+
+void send_beat(int fd) {
+  if (!has_unread(fd)) {
+    send_packet(fd, make_packet("beat"));
   }
-  send_packet(fd, make_packet("beat"));
 }
 
 bool wait_readable(int fd, TimeNs timeout) {

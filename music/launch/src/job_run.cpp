@@ -270,6 +270,18 @@ void JobRun::supervise() {
   if (const auto reason = state_.stood_at_end()) {
     fail(3, *reason);
   }
+  if (!outcome_) {
+    judge_commands();
+  }
+}
+
+void JobRun::judge_commands() {
+  const auto no_command = state_.find_no_command();
+  if (no_command && no_command->nothing_usable) {
+    fail(status::kNothingUsable, no_command->reason);
+  } else if (no_command) {
+    remark_ = no_command->reason;
+  }
 }
 
 void JobRun::watch_start() {
@@ -457,9 +469,11 @@ JobResult JobRun::result() const {
   JobResult result;
   result.exit_code = outcome_ ? outcome_->exit_code : 0;
   result.reason = outcome_ ? outcome_->message : "finished";
+  result.remark = outcome_ ? "" : remark_;
   result.summary = state_.summary();
   result.summary["exit_code"] = result.exit_code;
-  result.summary["exit_reason"] = result.reason;
+  result.summary["exit_reason"] =
+      result.remark.empty() ? result.reason : fmt::format("{}; {}", result.reason, result.remark);
   return result;
 }
 

@@ -89,6 +89,7 @@ class JobRun {
   /// none for the job.
   static int exit_code_without_robot(int code);
   void watch_end();
+  void judge_commands();
   void watch_stop();
   /// Asks every program of ours to leave its loop; ends all when there are no loops yet.
   void begin_stop();
@@ -122,6 +123,7 @@ class JobRun {
   pid_t reported_stopped_ = 0;      ///< stopped process that was reported; 0: none
   Clock::time_point turned_{};      ///< begin of the newest turn of supervise()
   std::optional<Failure> outcome_;  ///< none while all is well
+  std::string remark_;              ///< see JobResult::remark
   int stop_signals_ = 0;
   std::chrono::steady_clock::time_point last_signal_{};
   Clock::time_point started_{};

@@ -254,6 +254,20 @@ std::vector<std::string> JobState::incomplete_files() const {
   return files;
 }
 
+std::optional<status::NoCommand> JobState::find_no_command() const {
+  json counters = json::object();
+  for (const std::string& label : order_) {
+    const Process& process = processes_.at(label);
+    // A section with one endpoint has its label; the nodes of an experiment have their own names.
+    const bool own_names = process.program == "spikeloop-fused";
+    for (const auto& [name, value] : process.counters.items()) {
+      counters[own_names ? name : label + name.substr(std::min(name.rfind('.'), name.size()))] =
+          value;
+    }
+  }
+  return status::find_no_command(counters);
+}
+
 std::string JobState::last_line(const std::string& label) const {
   const auto words = std::ranges::find_if(
       error_tail_, [&](const auto& entry) { return label_of_rank(file_, entry.first) == label; });

@@ -11,6 +11,7 @@
 
 #include "process_group.hpp"
 #include "spikeloop/launch/job.hpp"
+#include "spikeloop/status/no_command.hpp"
 
 namespace spikeloop::launch {
 
@@ -78,6 +79,8 @@ class JobState {
   std::optional<std::string> stood_at_end() const;
   /// Files that could not be written, of all reports.
   std::vector<std::string> incomplete_files() const;
+  /// nullopt if the job has driven its robot; see status::find_no_command.
+  std::optional<status::NoCommand> find_no_command() const;
   /// What mpirun's end means.
   Failure explain(const MpirunEnd& end) const;
   /// Without the outcome: file, times, what the reports say.

@@ -18,14 +18,49 @@ bool is_finite(std::span<const double> values) {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
 
+std::vector<Bounds> bounds_of(const ChannelSettings& settings) {
+  std::vector<Bounds> bounds = settings.bounds;
+  bounds.resize(settings.gate.deadband.size());
+  for (std::size_t i = 0; i < std::min(bounds.size(), settings.stops.size()); ++i) {
+    bounds[i].zero_stands = !settings.stops[i].hold;
+  }
+  return bounds;
+}
+
 }  // namespace
 
 CommandChannel::CommandChannel(const ChannelSettings& settings, Publish publish)
     : gate_(settings.gate),
-      limiter_(settings.bounds, settings.gate.deadband.size()),
+      limiter_(bounds_of(settings), settings.gate.deadband.size()),
       publish_(std::move(publish)),
-      zero_(settings.gate.deadband.size(), 0.0),
-      override_timeout_(settings.override_timeout) {}
+      rules_(settings.stops),
+      measured_(settings.gate.deadband.size(), std::numeric_limits<double>::quiet_NaN()),
+      override_timeout_(settings.override_timeout) {
+  rules_.resize(measured_.size());
+  stop_ = computed_stop(0);
+}
+
+void CommandChannel::measure(std::span<const double> positions, TimeNs now) {
+  const std::lock_guard lock(mutex_);
+  std::ranges::copy(positions, measured_.begin());
+  measured_at_ = now;
+}
+
+std::vector<double> CommandChannel::stop_values(TimeNs now) const {
+  const std::lock_guard lock(mutex_);
+  return state_ == State::stopped || state_ == State::closed ? stop_ : computed_stop(now);
+}
+
+std::vector<double> CommandChannel::computed_stop(TimeNs now) const {
+  const bool fresh = measured_at_ && now - *measured_at_ <= kMeasuredAge;
+  std::vector<double> values;
+  for (std::size_t i = 0; i < rules_.size(); ++i) {
+    const double commanded = driven_ ? gate_.last()[i] : std::numeric_limits<double>::quiet_NaN();
+    const double held = fresh && std::isfinite(measured_[i]) ? measured_[i] : commanded;
+    values.push_back(rules_[i].hold ? held : rules_[i].value);
+  }
+  return values;
+}
 
 TimeNs CommandChannel::command(std::span<const double> values, TimeNs now) {
   if (!is_finite(values)) {
@@ -40,7 +75,7 @@ TimeNs CommandChannel::command(std::span<const double> values, TimeNs now) {
   network_stop_.reset();
   // The pause lasts whatever else has stopped the robot since it began.
   if (held_ || now < suspended_until_) {
-    return repeat_zero(now);
+    return repeat_stop_command(now);
   }
   return still_overridden(now) ? drive_by_hand(now) : drive(values, now);
 }
@@ -53,7 +88,7 @@ TimeNs CommandChannel::stop(StopReason reason, TimeNs now) {
   if (reason <= StopReason::silent) {
     network_stop_ = reason;
     if (held_) {
-      return repeat_zero(now);
+      return repeat_stop_command(now);
     }
     if (still_overridden(now)) {
       return drive_by_hand(now);
@@ -67,11 +102,15 @@ TimeNs CommandChannel::stop(StopReason reason, TimeNs now) {
   if (reason == StopReason::continued) {
     suspended_until_ = now + kContinuedPause;
   }
-  send_zero(now);
+  send_stop(now);
   return next_due();
 }
 
 void CommandChannel::enter(State state, TimeNs now) {
+  if (state_ == State::running || state_ == State::idle) {
+    stop_ = computed_stop(now);
+  }
+  drives_ = state == State::running;
   const bool stands = state == State::stopped;
   if (stands && !stands_since_) {
     stands_since_ = now;
@@ -91,19 +130,19 @@ TimeNs CommandChannel::stop_network(StopReason reason, TimeNs now) {
   if (std::exchange(may_lack_value_, false) && reason == StopReason::no_value &&
       state_ == State::running) {
     enter(State::idle, now);
-    send_zero(now);
+    send_stop(now);
     return kNever;
   }
   if (state_ == State::idle && is_from_loop(reason)) {
     return kNever;
   }
   if (is_from_loop(reason) && state_ == State::stopped && reason_ == reason) {
-    return repeat_zero(now);
+    return repeat_stop_command(now);
   }
   ++stops_[static_cast<std::size_t>(reason)];
   reason_ = reason;
   enter(State::stopped, now);
-  send_zero(now);
+  send_stop(now);
   return next_due();
 }
 
@@ -118,7 +157,7 @@ void CommandChannel::hold(std::optional<StopReason> reason, TimeNs now) {
     ++stops_[static_cast<std::size_t>(*reason)];
     reason_ = *reason;
     enter(State::stopped, now);
-    send_zero(now);
+    send_stop(now);
   } else if (!driven_) {
     enter(State::idle, now);
   } else if (network_stop_) {
@@ -130,7 +169,7 @@ void CommandChannel::begin_anew(TimeNs now) {
   const std::lock_guard lock(mutex_);
   if (state_ == State::running) {
     gate_.forget();
-    limiter_.restart(now);
+    limiter_.restart(computed_stop(now), now);
   }
 }
 
@@ -148,7 +187,7 @@ void CommandChannel::override_with(std::span<const double> values, TimeNs now) {
     ++stops_[static_cast<std::size_t>(StopReason::not_finite)];
     reason_ = StopReason::not_finite;
     enter(State::stopped, now);
-    send_zero(now);
+    send_stop(now);
   } else {
     drive(override_, now);
   }
@@ -156,7 +195,7 @@ void CommandChannel::override_with(std::span<const double> values, TimeNs now) {
 
 /// What is not a number is a zero, and not the least value that the limits allow.
 TimeNs CommandChannel::drive_by_hand(TimeNs now) {
-  return override_stops_ ? repeat_zero(now) : drive(override_, now);
+  return override_stops_ ? repeat_stop_command(now) : drive(override_, now);
 }
 
 bool CommandChannel::still_overridden(TimeNs now) {
@@ -170,7 +209,7 @@ TimeNs CommandChannel::drive(std::span<const double> values, TimeNs now) {
     resumed_ += state_ == State::idle ? 0 : 1;
     enter(State::running, now);
     gate_.forget();
-    limiter_.restart(now);
+    limiter_.restart(stop_, now);
   }
   if (gate_.offer(limiter_.shape(values, now, overridden_), now)) {
     driven_ = true;
@@ -180,16 +219,24 @@ TimeNs CommandChannel::drive(std::span<const double> values, TimeNs now) {
   return next_due();
 }
 
-TimeNs CommandChannel::repeat_zero(TimeNs now) {
+TimeNs CommandChannel::repeat_stop_command(TimeNs now) {
   if (state_ == State::stopped && gate_.poll(now)) {
-    publish_(zero_);
+    publish_stop();
   }
   return next_due();
 }
 
-void CommandChannel::send_zero(TimeNs now) {
-  gate_.force(zero_, now);
-  publish_(zero_);
+void CommandChannel::send_stop(TimeNs now) {
+  gate_.force(stop_, now);
+  publish_stop();
+}
+
+/// A robot that was never driven is not moved to a position that nobody knows.
+void CommandChannel::publish_stop() {
+  const auto unknown = [](double value) { return std::isnan(value); };
+  if (!std::ranges::all_of(stop_, unknown)) {
+    publish_(stop_);
+  }
 }
 
 TimeNs CommandChannel::next_due() const {
@@ -205,9 +252,14 @@ TimeNs CommandChannel::poll(TimeNs now) {
     return stop_network(*network_stop_, now);
   }
   const bool may_send = state_ == State::running || state_ == State::stopped;
-  if (may_send && gate_.poll(now)) {
-    commands_ += state_ == State::running ? 1 : 0;
+  if (!may_send || !gate_.poll(now)) {
+    return next_due();
+  }
+  if (state_ == State::running) {
+    ++commands_;
     publish_(gate_.current());
+  } else {
+    publish_stop();
   }
   return next_due();
 }
@@ -215,7 +267,7 @@ TimeNs CommandChannel::poll(TimeNs now) {
 void CommandChannel::repeat_stop(TimeNs now) {
   const std::lock_guard lock(mutex_);
   if (state_ == State::stopped) {
-    send_zero(now);
+    send_stop(now);
   }
 }
 

@@ -31,7 +31,7 @@ std::vector<TimeNs> timeouts(const std::vector<WatchedSensor>& sensors) {
 CommandSink::CommandSink(const CommandSettings& settings, Transport transport)
     : settings_(settings),
       transport_(std::move(transport)),
-      channel_({settings.gate, settings.bounds, settings.manual.timeout},
+      channel_({settings.gate, settings.bounds, settings.manual.timeout, settings.stops},
                [this](std::span<const double> values) {
                  transport_.publish(values);
                  published_ = now();

@@ -11,8 +11,9 @@ Limiter::Limiter(std::vector<Bounds> bounds, std::size_t components)
   bounds_.resize(components);
 }
 
-void Limiter::restart(TimeNs now) {
-  std::ranges::fill(values_, 0.0);
+void Limiter::restart(std::span<const double> values, TimeNs now) {
+  std::ranges::transform(values, values_.begin(),
+                         [](double value) { return std::isfinite(value) ? value : 0.0; });
   time_ = now;
 }
 
@@ -21,7 +22,7 @@ std::span<const double> Limiter::shape(std::span<const double> values, TimeNs no
   std::optional<Cut> cut;
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const Bounds& bounds = bounds_[i];
-    const bool stands = may_stand && values[i] == 0;
+    const bool stands = may_stand && bounds.zero_stands && values[i] == 0;
     const double target = stands ? 0 : std::clamp(values[i], bounds.minimum, bounds.maximum);
     if (target != values[i] && !cut) {
       cut = Cut{i, values[i]};

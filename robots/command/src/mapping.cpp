@@ -1,10 +1,54 @@
 #include "spikeloop/command/mapping.hpp"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
 
 #include "spikeloop/command/default_bounds.hpp"
 
 namespace spikeloop::command {
+namespace {
+
+/// Fields that hold a position, and messages that are one.
+constexpr std::array<std::string_view, 12> kPositions = {
+    "position",   "positions",   "point",    "pose",      "orientation",    "quaternion",
+    "transforms", "translation", "rotation", "transform", "steering_angle", "joint_angles"};
+constexpr std::array<std::string_view, 6> kPositionTypes = {
+    "geometry_msgs/Point", "geometry_msgs/Point32",    "geometry_msgs/Pose2D",
+    "geometry_msgs/Pose",  "geometry_msgs/Quaternion", "geometry_msgs/Transform"};
+
+/// "elbow" of "position[name=elbow]"; empty if no name selects the element.
+std::string selected_name(std::string_view component) {
+  const auto equals = component.find('=');
+  return equals == std::string_view::npos || !component.ends_with(']')
+             ? ""
+             : std::string(component.substr(equals + 1, component.size() - equals - 2));
+}
+
+/// The first component of a path, without the '.' after it. A name in brackets may contain '.'.
+std::string_view first_component(std::string_view path) {
+  std::size_t end = 0;
+  for (bool inside = false; end < path.size() && (inside || path[end] != '.'); ++end) {
+    inside = path[end] == '[' || (inside && path[end] != ']');
+  }
+  return path.substr(0, end);
+}
+
+StopRule default_stop(const std::string& message_type, std::string_view path) {
+  const bool is_position = std::ranges::find(kPositionTypes, message_type) != kPositionTypes.end();
+  while (!path.empty()) {
+    const std::string_view component = first_component(path);
+    path.remove_prefix(std::min(component.size() + 1, path.size()));
+    const std::string_view name = component.substr(0, component.find('['));
+    if (is_position || std::ranges::find(kPositions, name) != kPositions.end()) {
+      return {.hold = true, .joint = selected_name(component)};
+    }
+  }
+  return {};
+}
+
+}  // namespace
 
 ComponentMap component_map(const CommandMapping& mapping, std::uint32_t width) {
   std::vector<Component> components;
@@ -33,6 +77,17 @@ std::vector<Bounds> default_bounds(const CommandMapping& mapping, std::vector<Bo
     }
   }
   return bounds;
+}
+
+std::vector<StopRule> stop_rules(const CommandMapping& mapping, std::size_t width) {
+  if (mapping.all_channels) {
+    return std::vector<StopRule>(width, mapping.stop.value_or(StopRule{}));
+  }
+  std::vector<StopRule> rules;
+  for (const CommandField& field : mapping.fields) {
+    rules.push_back(field.stop ? *field.stop : default_stop(mapping.message_type, field.field));
+  }
+  return rules;
 }
 
 std::vector<std::string> field_paths(const CommandMapping& mapping) {

@@ -68,7 +68,7 @@ void EnvironmentRobot::publish(TimeNs time, const Wanted& wanted, const Publish&
 
 void EnvironmentRobot::command(std::span<const std::byte> message) {
   std::vector<double> numbers;
-  if (action_reader_.read(message, numbers) > 0) {
+  if (action_reader_.read(message, numbers) > 0 && std::isfinite(numbers.front())) {
     newest_ = numbers.front();
   }
 }

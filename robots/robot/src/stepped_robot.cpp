@@ -119,6 +119,17 @@ nlohmann::json SteppedRobot::summary() const {
   return summary;
 }
 
+void SteppedRobot::command(std::span<const std::byte> message) {
+  std::vector<double> numbers = command_topic_.read(message);
+  if (command_ && robot_->vehicle() == nullptr) {
+    // Several messages may name an actuator each.
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      if (!std::isfinite(numbers[i])) numbers[i] = (*command_)[i];
+    }
+  }
+  command_ = std::move(numbers);
+}
+
 void SteppedRobot::step_episode() {
   const TimeNs now = robot_->time();
   if (episodes_->running()) {

@@ -4,11 +4,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "command_topics.hpp"
 #include "diagnostics.hpp"
+#include "measured_positions.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/guard/guard_timer.hpp"
@@ -29,18 +32,35 @@ constexpr TimeNs kLook = kNsPerSecond / 10;
 /// within two seconds.
 constexpr TimeNs kGuardPatience = 3 * kNsPerSecond;
 
+/// The message that stops the robot; empty if no position is known, so that nothing is sent.
+std::vector<std::byte> stop_message(const topics::Publisher& publisher,
+                                    std::span<const double> values) {
+  const auto unknown = [](double value) { return std::isnan(value); };
+  return std::ranges::all_of(values, unknown) ? std::vector<std::byte>{}
+                                              : publisher.message(values);
+}
+
+/// Before any position is known.
+std::vector<double> first_stop(const command::CommandSettings& settings) {
+  std::vector<double> values(settings.width, 0.0);
+  for (std::size_t i = 0; i < std::min(values.size(), settings.stops.size()); ++i) {
+    const StopRule& rule = settings.stops[i];
+    values[i] = rule.hold ? std::numeric_limits<double>::quiet_NaN() : rule.value;
+  }
+  return values;
+}
+
 /// What the guard has to know to stop the robot in our place.
 guard::Hello guard_hello(const topics::Session& session, const Address& address,
                          const command::CommandSettings& settings,
                          const topics::Publisher& publisher) {
-  const std::vector<double> zero(settings.width, 0.0);
   return {.process = address.process,
           .topic = session.whole_topic(address.topic),
           .message_type = address.message_type,
           .ros = topics::version_of(session.dialect()),
           .place = session.place(),
           .watchdog = settings.watchdog,
-          .zero = publisher.message(zero)};
+          .stop = stop_message(publisher, first_stop(settings))};
 }
 
 constexpr std::string_view kManual = "_manual";
@@ -93,6 +113,7 @@ CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& addres
       keep_(std::move(keep)),
       watchdog_(settings.watchdog),
       guard_required_(settings.guard_required),
+      holds_(std::ranges::any_of(settings.stops, &StopRule::hold)),
       supervised_(session.local() ? nullptr : std::make_unique<status::SupervisedRobot>()),
       guard_(session.local() ? nullptr
                              : std::make_unique<guard::Link>(
@@ -103,6 +124,7 @@ CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& addres
       sink_(as_in_ros(session, address.topic, settings), transport()),
       topics_(std::make_unique<CommandTopics>(session, address.message_type, address.fields,
                                               as_in_ros(session, address.topic, settings), sink_)),
+      positions_(MeasuredPositions::subscribe(session, settings, sink_)),
       on_termination_(session.local() ? nullptr : std::make_unique<status::TerminationHook>([this] {
         sink_.stop(command::StopReason::terminated);
       })),
@@ -130,7 +152,7 @@ command::CommandSink::Transport CommandEndpoint::transport() {
 
 /// In whatever thread stops the robot, too, which must never wait for a disk.
 void CommandEndpoint::publish(std::span<const double> values) {
-  if (drives_unguarded(values)) {
+  if (drives_unguarded()) {
     return;
   }
   const auto message = publisher_.publish(values);
@@ -155,6 +177,7 @@ void CommandEndpoint::finish() {
 
 TimeNs CommandEndpoint::beat(TimeNs now) {
   leave_to_guard_if_dead();
+  update_guard();
   return std::min(guard_->beat(now), report(now));
 }
 
@@ -270,10 +293,28 @@ bool CommandEndpoint::may_begin() {
   return true;
 }
 
-/// The robot may have come since the loop handed over these values.
-bool CommandEndpoint::drives_unguarded(std::span<const double> values) const {
-  return waits_for_guard_ && publisher_.has_subscribers() &&
-         std::ranges::any_of(values, [](double value) { return value != 0; });
+/// The robot may have come since the loop handed over the command.
+bool CommandEndpoint::drives_unguarded() const {
+  return waits_for_guard_ && sink_.drives() && publisher_.has_subscribers();
+}
+
+/// The guard sends what this process would send to stop the robot now.
+void CommandEndpoint::update_guard() {
+  if (holds_) {
+    guard_->set_stop(stop_message(publisher_, sink_.stop_values()));
+  }
+}
+
+std::string CommandEndpoint::positions_topic() const {
+  return positions_ ? positions_->topic() : "";
+}
+
+bool CommandEndpoint::positions_have_publisher() const {
+  return positions_ && positions_->has_publishers();
+}
+
+std::uint64_t CommandEndpoint::positions_received() const {
+  return positions_ ? positions_->received() : 0;
 }
 
 /// Warns of subscribers that receive no command, and if there is none; each once.

@@ -57,7 +57,7 @@ struct Publisher::Impl {
   }
 
   void write(std::span<const double> numbers, const std::array<double, 2>& stamp,
-             std::vector<std::byte>& message) {
+             std::vector<messages::FieldValue>& values, std::vector<std::byte>& message) const {
     values.clear();
     if (one_array) {
       values.push_back({numbers, {}});
@@ -97,13 +97,15 @@ void Publisher::check(messages::Dialect ros, const std::string& topic,
 }
 
 std::vector<std::byte> Publisher::message(std::span<const double> values) const {
+  std::vector<messages::FieldValue> fields;
   std::vector<std::byte> bytes;
-  impl_->write(values, {}, bytes);
+  impl_->write(values, {}, fields, bytes);
   return bytes;
 }
 
 std::span<const std::byte> Publisher::publish(std::span<const double> values) {
-  impl_->write(values, impl_->stamped ? wall_time() : std::array<double, 2>{}, impl_->bytes);
+  impl_->write(values, impl_->stamped ? wall_time() : std::array<double, 2>{}, impl_->values,
+               impl_->bytes);
   impl_->publisher->publish(impl_->bytes);
   return impl_->bytes;
 }

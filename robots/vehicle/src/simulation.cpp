@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "model.hpp"
 #include "model_files.hpp"
@@ -231,7 +232,10 @@ class Simulation::Impl {
 
   /// In the middle of a physics step, which is taken when it ends, a command waits for that end.
   void command(std::span<const double> numbers) {
-    waiting_.assign(numbers.begin(), numbers.end());
+    waiting_.resize(numbers.size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      if (std::abs(numbers[i]) <= mjMAXVAL) waiting_[i] = numbers[i];
+    }
     if (physics_time_ == time_) {
       act();
     }

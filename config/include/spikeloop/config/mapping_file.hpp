@@ -8,6 +8,9 @@
 // that have none of their own; without any there is no limit. "slew" is the fastest change of what
 // leaves, a second. A field that ends with a slice, "data[2:5]": 7, stands for its elements with
 // channels from 7 on.
+//
+// "stop" of a field, or of the file, is its value at a stop: a number, "hold", or "hold NAME" with
+// the name of a joint.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +25,21 @@
 
 namespace spikeloop {
 
+/// Value of a field in the command that stops the robot.
+struct StopRule {
+  /// The last measured position, else the last command.
+  bool hold = false;
+  std::string joint{};  ///< whose measured position is held; empty: the last command
+  double value = 0;     ///< without `hold`
+
+  bool operator==(const StopRule&) const = default;
+};
+
+/// Reads "0.5", "zero", "hold" or "hold NAME". @throws ConfigurationError without location.
+StopRule parse_stop(std::string_view text);
+/// The text that parse_stop() reads.
+std::string stop_text(const StopRule& rule);
+
 /// field = limit(scale * channel + offset)
 struct CommandField {
   std::string field;          ///< path in the message, "linear.x"
@@ -30,8 +48,9 @@ struct CommandField {
   double offset = 0;
   std::optional<double> minimum{};  ///< none: no limit
   std::optional<double> maximum{};
-  std::optional<double> slew{};  ///< fastest change a second, above 0; none: any
-  Location where{};              ///< of its line in the file
+  std::optional<double> slew{};    ///< fastest change a second, above 0; none: any
+  std::optional<StopRule> stop{};  ///< nullopt: depends on the field
+  Location where{};                ///< of its line in the file
 };
 
 struct CommandMapping {
@@ -39,6 +58,7 @@ struct CommandMapping {
   std::string message_type;   ///< "geometry_msgs/Twist"
   bool all_channels = false;  ///< a Float64MultiArray of all channels, in order; no fields
   std::vector<CommandField> fields{};
+  std::optional<StopRule> stop{};  ///< of all channels
 };
 
 struct MappingOptions {

@@ -65,6 +65,7 @@ struct RunResult {
   int exit_code = 0;
   std::string reason;  ///< one line; empty when all went well
   nlohmann::json summary;
+  std::string remark{};  ///< "no command was sent: ..." of a run that has finished; may be empty
 };
 
 /// Called while it runs; may be left out.

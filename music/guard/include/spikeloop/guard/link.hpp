@@ -35,6 +35,8 @@ class Link {
   /// be called by the thread that stops the robot: the guard acts on the silence of that thread.
   /// Returns when to call again.
   TimeNs beat(TimeNs now);
+  /// The message with which the guard stops the robot from the next beat on.
+  void set_stop(std::vector<std::byte> message);
   /// This process cannot stop the robot any more: the guard stops it at once.
   void abandon();
   /// Tells the guard to stop watching. Call after the last zero command.
@@ -57,9 +59,11 @@ class Link {
   void check_silence(TimeNs now, Lines& lines);
 
   void ask_first();
+  void send_stop();
   void leave(State state);
 
-  const Hello hello_;
+  Hello hello_;                ///< its `stop` is the newest one
+  bool stop_is_known_ = true;  ///< True if the guard has been sent hello_.stop
   std::string path_;
   std::mutex mutex_;
   State state_ = State::off;

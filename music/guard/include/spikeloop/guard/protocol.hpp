@@ -4,9 +4,10 @@
 // bounded memory: any program of the user can send to the guard.
 //
 // An adapter sends "hello" and receives "ready" or "refused", and "reaches" once a robot subscribes
-// to the guard; then both send "beat" until the adapter is "done". A guard sends to the launcher
-// that started it "listening", then "beat", "log" with text for the user, and "stopped" after the
-// zero commands to a robot whose adapter had died.
+// to the guard; then both send "beat" until the adapter is "done". The adapter sends "stop" when
+// the message changes that stops the robot, because a stop holds positions. A guard sends to the
+// launcher that started it "listening", then "beat", "log" with text for the user, and "stopped"
+// after the zero commands to a robot whose adapter had died.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +27,7 @@ namespace spikeloop::guard {
 inline constexpr const char* kSocketVariable = "SPIKELOOP_GUARD";
 
 /// Both sides must be of the same.
-inline constexpr int kProtocol = 4;
+inline constexpr int kProtocol = 5;
 
 /// Longest packet in bytes; a longer one is not sent, and not read.
 inline constexpr std::size_t kLongestPacket = 1 << 20;
@@ -52,8 +53,10 @@ struct Hello {
   std::string message_type;  ///< "geometry_msgs/Twist"; the guard knows the same definitions
   int ros = 1;               ///< its version: 1 or 2
   std::map<std::string, std::string> place;  ///< variables that say where the robot's nodes meet
-  TimeNs watchdog = 0;          ///< wall time after which the adapter stops the robot itself
-  std::vector<std::byte> zero;  ///< the message that stops the robot, as the adapter sends it
+  TimeNs watchdog = 0;  ///< wall time after which the adapter stops the robot itself
+  /// The message that stops the robot, as the adapter sends it. Empty: no message, because the
+  /// robot was not driven yet and its position is not known.
+  std::vector<std::byte> stop;
 };
 
 Packet to_packet(const Hello& hello);
@@ -61,6 +64,9 @@ Packet to_packet(const Hello& hello);
 std::optional<Hello> read_hello(const Packet& packet);
 
 Packet make_packet(std::string_view type);
+Packet stop_packet(const std::vector<std::byte>& message);
+/// The message of a hello or a "stop".
+std::vector<std::byte> stop_message(const Packet& packet);
 /// Empty for what is not a packet of ours.
 std::string type_of(const Packet& packet);
 /// The value of a field; empty if the packet has no such field.
@@ -74,6 +80,8 @@ int send_packet(int fd, const Packet& packet);
 /// Sends "beat" unless an earlier packet is still unread: beats must not fill the socket of a
 /// process that is stopped.
 void send_beat(int fd);
+/// True if the peer has not read an earlier packet yet.
+bool has_unread(int fd);
 
 struct Received {
   bool closed = false;   ///< the other side has gone, and all it said has been read

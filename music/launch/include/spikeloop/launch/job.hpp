@@ -68,10 +68,11 @@ struct JobEvents {
 
 struct JobResult {
   /// 0; 128 + n when signal n stopped the run; else that of the first failure: 2 configuration,
-  /// 3 a partner is missing, silent or ended too early, 4 file, 5 node, 128 + n for a program
-  /// killed by signal n, or the code that the program gave.
+  /// 3 a partner is missing, silent or ended too early, 4 file, 5 node, 7 no message was usable,
+  /// 128 + n for a program killed by signal n, or the code that the program gave.
   int exit_code = 0;
   std::string reason;      ///< one line
+  std::string remark{};    ///< "no command was sent: ..." of a job that has finished; may be empty
   nlohmann::json summary;  ///< the contents of summary.json
 };
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -14,6 +15,7 @@
 #include "spikeloop/command/command_gate.hpp"
 #include "spikeloop/command/limiter.hpp"
 #include "spikeloop/command/stop_reason.hpp"
+#include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/core/node.hpp"
 
 namespace spikeloop::command {
@@ -22,9 +24,13 @@ inline constexpr TimeNs kContinuedPause = 1'500'000'000;
 
 struct ChannelSettings {
   GateSettings gate;
-  std::vector<Bounds> bounds{};  ///< one a component; fewer: the others have none
-  TimeNs override_timeout = 0;   ///< so long a manual command holds
+  std::vector<Bounds> bounds{};   ///< one a component; fewer: the others have none
+  TimeNs override_timeout = 0;    ///< so long a manual command holds
+  std::vector<StopRule> stops{};  ///< per component; fewer: the others are 0 at a stop
 };
+
+/// A measured position counts for that long; then a stop holds the last command.
+inline constexpr TimeNs kMeasuredAge = 500'000'000;
 
 /// Safe to use from the loop, the watch and those who bring messages at once. Publishing happens
 /// under its lock, so it must not block.
@@ -41,12 +47,12 @@ class CommandChannel {
   /// A command with a value that is not finite is never sent: it stops the robot.
   TimeNs command(std::span<const double> values, TimeNs now);
 
-  /// Sends a zero command at once, past all rules, and repeats it (see CommandGate) until the robot
-  /// is driven again: a message can be lost, and a robot can connect later. After `continued` no
-  /// command is sent for kContinuedPause: mpirun sends SIGCONT when a program has died, and SIGTERM
-  /// 1 s later. After `terminated` and `ended` nothing more leaves at all. Before the first command
-  /// only a request from outside the loop sends anything. While manual commands hold, the loop's
-  /// reasons and `silent` wait for their end.
+  /// Sends the stop command at once, past all rules, and repeats it (see CommandGate) until the
+  /// robot is driven again: a message can be lost, and a robot can connect later. After `continued`
+  /// no command is sent for kContinuedPause: mpirun sends SIGCONT when a program has died, and
+  /// SIGTERM 1 s later. After `terminated` and `ended` nothing more leaves at all. Before the first
+  /// command only a request from outside the loop sends anything. While manual commands hold, the
+  /// loop's reasons and `silent` wait for their end.
   TimeNs stop(StopReason reason, TimeNs now);
 
   /// As long as there is a reason (of the emergency stop), nothing but zeros leaves: at once, and
@@ -56,6 +62,14 @@ class CommandChannel {
   /// A command by hand: leaves in place of the network's, as far as the bounds let it, until none
   /// has come for the timeout. One that is not finite is a zero.
   void override_with(std::span<const double> values, TimeNs now);
+
+  /// The measured positions of the components that a stop holds; NaN: not known.
+  void measure(std::span<const double> positions, TimeNs now);
+  /// The command that stops the robot: that of the stop that lasts, else of one at `now`. Each stop
+  /// fixes its values once, so that a joint that yields is not followed. NaN: no position is known.
+  std::vector<double> stop_values(TimeNs now) const;
+  /// True while the commands of the network or manual ones are sent. May be called by `publish`.
+  bool drives() const { return drives_.load(); }
 
   /// A robot hears the commands from now on: the next one leaves in any case, and slews from zero.
   void begin_anew(TimeNs now);
@@ -99,10 +113,12 @@ class CommandChannel {
 
   // All below are called under the lock.
   void enter(State state, TimeNs now);
-  void send_zero(TimeNs now);
+  void send_stop(TimeNs now);
+  void publish_stop();
+  std::vector<double> computed_stop(TimeNs now) const;
   TimeNs drive(std::span<const double> values, TimeNs now);
   TimeNs stop_network(StopReason reason, TimeNs now);
-  TimeNs repeat_zero(TimeNs now);
+  TimeNs repeat_stop_command(TimeNs now);
   bool still_overridden(TimeNs now);
   TimeNs drive_by_hand(TimeNs now);
   TimeNs next_due() const;
@@ -111,7 +127,11 @@ class CommandChannel {
   CommandGate gate_;
   Limiter limiter_;
   Publish publish_;
-  std::vector<double> zero_;
+  std::vector<StopRule> rules_;
+  std::vector<double> measured_;  ///< NaN: not known
+  std::optional<TimeNs> measured_at_;
+  std::vector<double> stop_;         ///< the stop command; see stop_values()
+  std::atomic<bool> drives_{false};  ///< state_ is `running`
   State state_ = State::idle;
   std::optional<TimeNs> stands_since_;  ///< begin of the stop. nullopt if the robot may be driven
   TimeNs stood_for_ = 0;                ///< before that

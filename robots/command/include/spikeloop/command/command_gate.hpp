@@ -53,6 +53,8 @@ class CommandGate {
   bool holds_back() const { return any_ && sent_ && !forced_ && moved(); }
 
   std::span<const double> current() const { return current_; }
+  /// The command that was sent last, forced ones included.
+  std::span<const double> last() const { return last_; }
   /// Commands that have left: of offer(), poll() and force().
   std::uint64_t sent() const { return sent_count_; }
 

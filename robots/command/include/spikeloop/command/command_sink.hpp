@@ -56,7 +56,9 @@ struct CommandSettings {
   std::vector<Bounds> bounds{};
   EmergencyStop emergency_stop{};
   Override manual{};
-  bool guard_required = false;  ///< the robot is stopped while no guard answers
+  std::vector<StopRule> stops{};  ///< as ChannelSettings has them
+  std::string joint_states{};     ///< topic of the positions that a stop holds; empty: none
+  bool guard_required = false;    ///< the robot is stopped while no guard answers
 };
 
 /// Why a robot stands, as a sentence goes on behind "the robot is stopped: ".
@@ -121,6 +123,10 @@ class CommandSink : public Sink {
   void press_stop(bool pressed);
   /// A command by hand. Safe to call from any thread.
   void override_with(std::span<const double> values);
+  /// As CommandChannel. Safe to call from any thread.
+  void measure(std::span<const double> positions) { channel_.measure(positions, now()); }
+  std::vector<double> stop_values() const { return channel_.stop_values(now()); }
+  bool drives() const { return channel_.drives(); }
   /// Zero, the last thing that leaves. Safe to call from any thread.
   void stop(StopReason reason);
   /// Safe to call from any thread.

@@ -16,6 +16,7 @@ struct Bounds {
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
   double slew = std::numeric_limits<double>::infinity();  ///< in units of the component a second
+  bool zero_stands = true;  ///< the robot stands at 0; false for a position
 };
 
 /// Follows values within their bounds: between any two times that it is asked, no component moves
@@ -30,8 +31,8 @@ class Limiter {
   /// @param bounds one a component; fewer: the others have none
   Limiter(std::vector<Bounds> bounds, std::size_t components);
 
-  /// The robot stands: from now on the way starts at zero.
-  void restart(TimeNs now);
+  /// The robot is stopped by `values`, from which the next commands slew. NaN: from 0.
+  void restart(std::span<const double> values, TimeNs now);
   /// What may leave now. Valid until the next call. `values` are finite.
   /// @param may_stand 0 is within all bounds: a person may always have the robot stand
   std::span<const double> shape(std::span<const double> values, TimeNs now, bool may_stand = false);

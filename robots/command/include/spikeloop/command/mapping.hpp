@@ -17,6 +17,11 @@ ComponentMap component_map(const CommandMapping& mapping, std::uint32_t width);
 /// own. @param bounds one a field; any number when the mapping is of all channels
 std::vector<Bounds> default_bounds(const CommandMapping& mapping, std::vector<Bounds> bounds);
 
+/// Value of each component at a stop. Fields without a rule of their own: the number of a position
+/// is held (of `position[name=NAME]` the measured one of joint NAME), all others are 0.
+/// @param width components of the command
+std::vector<StopRule> stop_rules(const CommandMapping& mapping, std::size_t width);
+
 /// A path a component; "data" alone for all channels.
 std::vector<std::string> field_paths(const CommandMapping& mapping);
 

@@ -44,9 +44,7 @@ class SteppedRobot : public Robot {
   void publish(TimeNs time, const Wanted& wanted, const Publish& publish) override;
   /// A command, as command_topic() reads it, that holds from now on.
   void act(std::span<const double> command) { robot_->command(command); }
-  void command(std::span<const std::byte> message) override {
-    command_ = command_topic_.read(message);
-  }
+  void command(std::span<const std::byte> message) override;
   void advance(TimeNs time) override;
   /// Ends the trajectory and the film. @throws FileError.
   void finish() override;

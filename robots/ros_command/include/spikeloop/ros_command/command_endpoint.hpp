@@ -26,6 +26,7 @@ namespace spikeloop::ros_command {
 
 class CommandTopics;
 class Diagnostics;
+class MeasuredPositions;
 
 struct Address {
   std::string process;  ///< how the guard calls this one
@@ -69,6 +70,11 @@ class CommandEndpoint {
   bool has_subscribers() { return publisher_.has_subscribers() && may_begin(); }
   /// Messages that have left, zeros included.
   std::uint64_t sent() const { return count_; }
+  /// Topic of the measured positions that a stop holds; empty if there is none.
+  std::string positions_topic() const;
+  bool positions_have_publisher() const;
+  /// Messages of this topic that were received.
+  std::uint64_t positions_received() const;
 
  private:
   bool begin_tick(TimeNs end);
@@ -81,7 +87,8 @@ class CommandEndpoint {
   std::optional<command::StopReason> lost_supervision(TimeNs now) const;
   void leave_to_guard_if_dead();
   bool may_begin();
-  bool drives_unguarded(std::span<const double> values) const;
+  bool drives_unguarded() const;
+  void update_guard();
   void mind_subscribers();
   std::optional<topics::Partner> subscriber_of_other_type() const;
   TimeNs report(TimeNs now);
@@ -105,11 +112,13 @@ class CommandEndpoint {
   std::string stood_at_end_;
   const TimeNs watchdog_;
   const bool guard_required_;
+  const bool holds_;  ///< the stop command depends on the last positions
   std::unique_ptr<status::SupervisedRobot> supervised_;  ///< null on a local session
   std::unique_ptr<guard::Link> guard_;                   ///< null on a local session
   std::unique_ptr<Diagnostics> diagnostics_;             ///< null for a robot that is stepped
   command::CommandSink sink_;
-  std::unique_ptr<CommandTopics> topics_;  ///< end before what they bring goes to
+  std::unique_ptr<CommandTopics> topics_;         ///< end before what they bring goes to
+  std::unique_ptr<MeasuredPositions> positions_;  ///< null if a stop holds no measured position
   std::unique_ptr<status::TerminationHook> on_termination_;
   std::unique_ptr<status::StopHook> on_stop_;  ///< null for a robot that is stepped
 };

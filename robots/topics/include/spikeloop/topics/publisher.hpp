@@ -27,7 +27,8 @@ class Publisher {
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  /// The bytes of a message with these values, all other fields zero, also the stamp.
+  /// The bytes of a message with these values, all other fields zero, also the stamp. Safe to call
+  /// from any thread.
   std::vector<std::byte> message(std::span<const double> values) const;
   /// Sends that; as RawPublisher::publish. Returns its bytes, until the next one is sent.
   std::span<const std::byte> publish(std::span<const double> values);

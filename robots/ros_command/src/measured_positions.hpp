@@ -1,0 +1,51 @@
+// The measured positions that a stop holds.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "spikeloop/command/command_sink.hpp"
+#include "spikeloop/messages/field_path.hpp"
+#include "spikeloop/topics/session.hpp"
+
+namespace spikeloop::ros_command {
+
+/// Reads sensor_msgs/JointState in the session's thread and passes positions to the sink.
+class MeasuredPositions {
+ public:
+  /// Returns null if the command holds no measured position.
+  /// @throws ConfigurationError: an impossible topic.
+  static std::unique_ptr<MeasuredPositions> subscribe(topics::Session& session,
+                                                      const command::CommandSettings& settings,
+                                                      command::CommandSink& sink);
+
+  MeasuredPositions(topics::Session& session, const command::CommandSettings& settings,
+                    command::CommandSink& sink);
+  MeasuredPositions(const MeasuredPositions&) = delete;
+  MeasuredPositions& operator=(const MeasuredPositions&) = delete;
+
+  const std::string& topic() const { return topic_; }
+  bool has_publishers() const { return subscriber_->has_publishers(); }
+  /// Messages that were received.
+  std::uint64_t received() const { return received_.load(); }
+
+ private:
+  void take(std::span<const std::byte> message);
+
+  const std::string topic_;
+  command::CommandSink& sink_;
+  std::vector<std::optional<messages::FieldReader>> readers_;  ///< per component
+  std::vector<double> positions_;                              ///< NaN: not known
+  std::atomic<std::uint64_t> received_{0};
+  std::atomic<bool> warned_{false};
+  std::unique_ptr<topics::RawSubscriber> subscriber_;  ///< the last: it uses all the rest
+};
+
+}  // namespace spikeloop::ros_command
