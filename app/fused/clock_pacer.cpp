@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <optional>
 #include <utility>
@@ -21,6 +22,7 @@ constexpr const char* kTopic = "/clock";
 constexpr const char* kType = "rosgraph_msgs/Clock";
 constexpr TimeNs kSilence = 3 * kNsPerSecond;  // wall time
 constexpr TimeNs kNone = -1;
+constexpr std::size_t kSteps = 11;  // of /clock, from which its period is known
 
 class ClockPacer : public Pacer {
  public:
@@ -53,7 +55,11 @@ class ClockPacer : public Pacer {
     if (report_.ticks++ == 0) {
       started_ = wall_now();
     }
-    report_.overruns += newest_ - first_ - time > tick_ ? 1 : 0;
+    const TimeNs period = period_;
+    report_.overruns += newest_ - first_ - time > std::max(tick_, period + period / 2) ? 1 : 0;
+    if (!compared_ && period_known_) {
+      compare_with_tick(period);
+    }
   }
 
   Report report() const override {
@@ -80,11 +86,32 @@ class ClockPacer : public Pacer {
     } else if (now < newest_ && !went_back_) {
       back_to_ = now;
       went_back_ = true;
+    } else if (now > newest_) {
+      note_step(now - newest_);
     }
     if (!went_back_) {
       newest_ = now;
     }
     waiting_.notify();
+  }
+
+  /// In the session's thread. The lower quartile of the first steps is right even if the clock
+  /// jumps or messages are lost.
+  void note_step(TimeNs step) {
+    if (steps_.size() < kSteps) {
+      steps_.insert(std::ranges::upper_bound(steps_, step), step);
+      period_ = steps_[steps_.size() / 4];
+      period_known_ = steps_.size() == kSteps;
+    }
+  }
+
+  void compare_with_tick(TimeNs period) {
+    compared_ = true;
+    if (period > tick_ + tick_ / 2) {
+      log::info("{} comes every {}, a tick is {}: {:.3g} ticks are computed at a time", kTopic,
+                format_time(period), format_time(tick_),
+                static_cast<double>(period) / static_cast<double>(tick_));
+    }
   }
 
   void refuse_jump_back() const {
@@ -111,9 +138,25 @@ class ClockPacer : public Pacer {
     }
   }
 
+  void refuse_silence(TimeNs waited) const {
+    const TimeNs patience = waiting_.start_patience();
+    if (newest_ == kNone && waited > patience) {
+      throw TransportError(
+          with_code(Code::partner_missing, "sync: sim_time: {} has brought no time within {}: {}",
+                    kTopic, format_time(patience),
+                    subscriber_->has_publishers()
+                        ? fmt::format("it has a publisher, whose simulator is paused; let it go "
+                                      "on, or write a longer "
+                                      "--start-timeout")
+                        : fmt::format("it has no publisher; start the simulator with use_sim_time, "
+                                      "or write  sync: realtime")));
+    }
+  }
+
   void meanwhile(TimeNs waited) {
     alive_();
     session_.require_alive();
+    refuse_silence(waited);
     refuse_lost_publisher(waited);
     if (told_ || waited < kSilence) {
       return;
@@ -140,6 +183,10 @@ class ClockPacer : public Pacer {
   Report report_;
   TimeNs started_ = 0;
   bool told_ = false;
+  bool compared_ = false;
+  std::vector<TimeNs> steps_;  // used by the session's thread only
+  std::atomic<TimeNs> period_{0};
+  std::atomic<bool> period_known_{false};
   std::atomic<TimeNs> first_{0};
   std::atomic<TimeNs> newest_{kNone};
   std::atomic<TimeNs> back_to_{0};

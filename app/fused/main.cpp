@@ -35,6 +35,11 @@ std::vector<ParameterDescription> own_parameters() {
            .default_value = "60",
            .minimum = 0,
            .text = "Longest wall time until a stepped robot answers; 0: no limit"},
+          {.name = "start_timeout",
+           .unit = "s",
+           .default_value = "60",
+           .minimum = 0,
+           .text = "Longest wall time until /clock brings a time"},
           text("about", "", "Additional content of resolved.json, JSON"),
           text("origin", "", "File whose directory relative paths start in"),
           text("replay_bag", "", "Replay: bag that replaces the robot"),
@@ -122,7 +127,8 @@ int run_experiment(const experiment::Experiment& experiment, music::Process& pro
   const bool first = first_at_robot(experiment) == process.label();
   RosTransport transport(experiment, process.label(), keys.text("ros_arguments"),
                          first ? options.folder : "", *options.failures,
-                         {stop, enter, from_seconds(keys.number("stall_timeout"))});
+                         {stop, enter, from_seconds(keys.number("stall_timeout")),
+                          from_seconds(keys.number("start_timeout"))});
   if (experiment.sync == Sync::sim_time || experiment.sync == Sync::lockstep) {
     process.say_begun();  // it waits for the robot as long as that takes
   }

@@ -11,9 +11,10 @@ namespace spikeloop {
 
 /// What the process has around its loop.
 struct LoopSurroundings {
-  std::function<bool()> stop;             ///< whether the loop is to end
-  std::function<void(bool waits)> enter;  ///< tells the launcher what the loop does
-  TimeNs patience = 60 * kNsPerSecond;    ///< wall time; 0: for ever
+  std::function<bool()> stop;                 ///< whether the loop is to end
+  std::function<void(bool waits)> enter;      ///< tells the launcher what the loop does
+  TimeNs patience = 60 * kNsPerSecond;        ///< wall time; 0: for ever
+  TimeNs start_patience = 60 * kNsPerSecond;  ///< wall time until the first tick
 };
 
 class Waiting {
@@ -29,6 +30,7 @@ class Waiting {
   bool until(const std::function<bool()>& done,
              const std::function<void(TimeNs waited)>& meanwhile);
   TimeNs patience() const { return surroundings_.patience; }
+  TimeNs start_patience() const { return surroundings_.start_patience; }
 
  private:
   LoopSurroundings surroundings_;

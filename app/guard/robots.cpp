@@ -43,6 +43,7 @@ std::unique_ptr<topics::RawPublisher> Robots::advertise(const Hello& hello) {
     session::Settings settings;
     settings.node_name = "spikeloop_guard";
     settings.unique_name = true;
+    settings.warn_of_unreachable_nodes = false;  // the command adapter warns
     settings.arguments = arguments_for(hello.topic);
     settings.place = hello.place;
     settings.ros = topics::dialect_of(hello.ros);

@@ -234,6 +234,7 @@ launch::JobOptions job_options(const ExperimentArguments& arguments, const Exper
                                const std::string& folder) {
   launch::JobOptions options;
   options.folder = folder;
+  options.source = experiment::file_of_user(experiment);
   options.start_timeout = arguments.start_timeout;
   options.stall_timeout = arguments.stall_timeout;
   add_robot(experiment, arguments.spectators, options);
@@ -396,7 +397,9 @@ int run_processes(const ExperimentArguments& arguments, const Experiment& writte
       {"about", about_run(partners_of(experiment)).dump()},
       {"record", arguments.record ? "true" : "false"},
       {"stall_timeout",
-       fmt::format("{}", std::chrono::duration<double>(arguments.stall_timeout).count())}};
+       fmt::format("{}", std::chrono::duration<double>(arguments.stall_timeout).count())},
+      {"start_timeout",
+       fmt::format("{}", std::chrono::duration<double>(arguments.start_timeout).count())}};
   if (!arguments.overrides.origin.empty()) {
     keys["origin"] = std::filesystem::absolute(arguments.overrides.origin).string();
   }

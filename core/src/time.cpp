@@ -44,9 +44,7 @@ std::string format_time(TimeNs time) {
   };
   constexpr Unit kUnits[] = {{kNsPerSecond, "s"}, {1'000'000, "ms"}, {1'000, "us"}, {1, "ns"}};
   for (const Unit& unit : kUnits) {
-    const TimeNs thousandth = unit.length / 1000;
-    const bool fits = thousandth == 0 || time % thousandth == 0;
-    if (fits && std::abs(time) >= unit.length) {
+    if (std::abs(time) >= unit.length) {
       return fmt::format("{} {}", static_cast<double>(time) / static_cast<double>(unit.length),
                          unit.name);
     }

@@ -311,6 +311,10 @@ std::string_view name_of(Sync sync) {
   return "sim_time";
 }
 
+std::string file_of_user(const Experiment& experiment) {
+  return std::filesystem::absolute(experiment.origin).lexically_normal().string();
+}
+
 std::string directory_of(const std::string& experiment_path) {
   const auto parent = std::filesystem::path(experiment_path).parent_path();
   return parent.empty() ? "." : parent.string();

@@ -133,8 +133,7 @@ json resolved_json(const experiment::Experiment& experiment) {
                                    {"fov_deg", camera->field_of_view_deg}};
     }
   }
-  result["experiment_file"] =
-      std::filesystem::absolute(experiment.origin).lexically_normal().string();
+  result["experiment_file"] = experiment::file_of_user(experiment);
   result["files"] = json::object();
   for (const std::string& path : experiment.files) {
     result["files"][path] = file_print(path);

@@ -494,6 +494,9 @@ RunResult Run::finish() {
     impl_->events.ended(result);
   }
   impl_->judge_commands();
+  if (impl_->options.process.empty()) {  // else the launcher writes the summary
+    result.summary["file"] = experiment::file_of_user(impl_->experiment);
+  }
   result.summary["exit_code"] = result.exit_code;
   const std::string finished =
       result.remark.empty() ? "finished" : fmt::format("finished; {}", result.remark);

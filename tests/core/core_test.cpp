@@ -36,12 +36,14 @@ TEST(Time, RefusesWhatCannotBeRepresented) {
   EXPECT_EQ(tick_from_seconds(0.05), 50'000'000);
 }
 
-TEST(Time, PrintsTheLargestFittingUnit) {
+TEST(Time, PrintsTheLargestUnitThatIsNotLonger) {
   EXPECT_EQ(format_time(0), "0 s");
   EXPECT_EQ(format_time(1'500'000), "1.5 ms");
   EXPECT_EQ(format_time(20'000'000'000), "20 s");
   EXPECT_EQ(format_time(3), "3 ns");
-  EXPECT_EQ(format_time(1'000'001), "1000.001 us");
+  EXPECT_EQ(format_time(1'000'001), "1.000001 ms");
+  EXPECT_EQ(format_time(102'998'999'999), "102.998999999 s");
+  EXPECT_EQ(format_time(-2'000'500), "-2.0005 ms");
 }
 
 TEST(Interval, IsOpenOnTheLeftAndClosedOnTheRight) {

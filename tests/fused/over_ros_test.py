@@ -26,8 +26,10 @@ def drive(scratch, version):
     for name in ("encoder.h5", "scan.h5", "wheels.h5", "resolved.json"):
         assert (scratch / "run" / name).exists(), name
     assert json.loads((scratch / "run/resolved.json").read_text())["ros"] == version
+    assert summary["file"] == str(file), summary
     # The recorded messages give the same spikes, whichever ROS brought them.
     runs.spikeloop("replay", scratch / "run", "--out", scratch / "again")
+    assert json.loads((scratch / "again/summary.json").read_text())["file"] == str(file)
     return summary["latency_median_ms"]
 
 

@@ -145,6 +145,10 @@ def jump(simulator, begin):
     run = begin("jump")
     simulator.join()
     shown = simulator.drives()
+    for _ in range(3):  # so that the period of the clock is known
+        shown += 1
+        simulator.show(shown)
+        time.sleep(0.02)
     simulator.show(300)
     time.sleep(0.2)
     simulator.show(10_000)
@@ -197,6 +201,25 @@ def gone(simulator, begin):
     ended(simulator, run, " s for 3 s, and has no publisher any more")
 
 
+def slow_clock(simulator, begin):
+    """The clock of a simulator with steps of 10 ms: no tick is late."""
+    run = begin("slow-clock")
+    simulator.join()
+    for shown in range(0, 600, 10):
+        simulator.show(shown)
+        time.sleep(0.02)
+    report = run.end(0)
+    assert report["summary"]["simulated_s"] == 0.5 and report["summary"]["overruns"] == 0, report
+    run.says("/clock comes every 10 ms, a tick is 1 ms")
+    assert "more than a tick late" not in run.printed, run.printed
+
+
+def no_clock(file, folder, reason):
+    """Ends the run after --start-timeout."""
+    runs.refused(f"/clock has brought no time within 2 s: {reason} ... [SL0702]", "run", file, "--out", folder,
+                 "--start-timeout", "2", code=3)
+
+
 def silence(begin, command):
     run = begin("silence")
     run.says("/clock has brought no time for 3 s, and sync: sim_time waits for it: is use_sim_time "
@@ -226,6 +249,7 @@ def followed_in_ros2(scratch):
     own = next(line for line in text.splitlines() if line.startswith("robot:"))
     file.write_text(text.replace(own, ""))
     silence(lambda name: Run(file, scratch / f"{name}-ros2"), "ros2 topic")
+    no_clock(file, scratch / "no-clock-ros2", "it has no publisher")
     run = Run(file, scratch / "follower")
     with ros.program(*robot) as simulator:
         ros.until(lambda: runs.trajectory(scratch / "follower"), "a path")
@@ -247,8 +271,10 @@ def main():
         with ros.master(scratch):
             subprocess.run(["/usr/bin/rosparam", "set", "use_sim_time", "true"], check=True)
             silence(lambda name: Run(file, scratch / name), "rostopic")
+            no_clock(file, scratch / "no-clock", "it has no publisher")
             simulator = Simulator()
-            for test in (pause, jump, back, gone):
+            no_clock(file, scratch / "paused-clock", "it has a publisher, whose simulator is paused")
+            for test in (pause, jump, slow_clock, back, gone):
                 simulator.heard.clear()
                 test(simulator, lambda name, **options: Run(file, scratch / name, **options))
         shipped_robot(scratch, "1")

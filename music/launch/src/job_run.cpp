@@ -471,6 +471,9 @@ JobResult JobRun::result() const {
   result.reason = outcome_ ? outcome_->message : "finished";
   result.remark = outcome_ ? "" : remark_;
   result.summary = state_.summary();
+  if (!options_.source.empty()) {
+    result.summary["file"] = options_.source;
+  }
   result.summary["exit_code"] = result.exit_code;
   result.summary["exit_reason"] =
       result.remark.empty() ? result.reason : fmt::format("{}; {}", result.reason, result.remark);

@@ -1,10 +1,15 @@
 #include "connections.hpp"
 
+#include <fmt/format.h>
 #include <ros/master.h>
 #include <ros/network.h>
+#include <ros/topic_manager.h>
 #include <ros/xmlrpc_manager.h>
+#include <sys/socket.h>
 #include <xmlrpcpp/XmlRpc.h>
 
+#include <cstdlib>
+#include <string_view>
 #include <vector>
 
 namespace spikeloop::ros1 {
@@ -15,20 +20,20 @@ using XmlRpc::XmlRpcValue;
 /// Type of a subscriber that takes every type, such as rostopic.
 constexpr const char* kAnyType = "*";
 
-/// Indices of the lists in the master's answer.
-enum class Side { publishers = 0, subscribers = 1 };
-
-/// Names of the nodes that publish a topic, or subscribe to it.
-std::vector<std::string> nodes_of(const std::string& self, const std::string& topic, Side side) {
+/// Publishers, subscribers and services. Not an array if the master does not answer.
+XmlRpcValue system_state(const std::string& self) {
   XmlRpcValue request;
   XmlRpcValue response;
-  XmlRpcValue state;  // publishers, subscribers, services
+  XmlRpcValue state;
   request[0] = self;
+  return ros::master::execute("getSystemState", request, response, state, false) ? state
+                                                                                 : XmlRpcValue();
+}
+
+/// The names of the nodes of a topic.
+/// @param topics of system_state(): of publishers, or of subscribers
+std::vector<std::string> nodes_of(XmlRpcValue& topics, const std::string& topic) {
   std::vector<std::string> nodes;
-  if (!ros::master::execute("getSystemState", request, response, state, false)) {
-    return nodes;
-  }
-  XmlRpcValue& topics = state[static_cast<int>(side)];
   for (int i = 0; i < topics.size(); ++i) {
     if (static_cast<std::string&>(topics[i][0]) != topic) {
       continue;
@@ -40,43 +45,75 @@ std::vector<std::string> nodes_of(const std::string& self, const std::string& to
   return nodes;
 }
 
-/// Answer of a node to a call of its API; of another type when it does not answer.
-XmlRpcValue ask_node(const std::string& self, const std::string& node, const char* call) {
+std::vector<std::string> publishers_of(const std::string& self, const std::string& topic) {
+  XmlRpcValue state = system_state(self);
+  return state.valid() ? nodes_of(state[0], topic) : std::vector<std::string>();
+}
+
+/// Empty if the master does not know the node.
+std::string uri_of(const std::string& self, const std::string& node) {
   XmlRpcValue request;
   XmlRpcValue response;
   XmlRpcValue uri;
   request[0] = self;
   request[1] = node;
+  return ros::master::execute("lookupNode", request, response, uri, false)
+             ? static_cast<std::string&>(uri)
+             : std::string();
+}
+
+/// Calls a method of a node. Not valid if it does not answer.
+XmlRpcValue call(const std::string& uri, const char* method, const XmlRpcValue& request) {
   std::string host;
   std::uint32_t port = 0;
-  if (!ros::master::execute("lookupNode", request, response, uri, false) ||
-      !ros::network::splitURI(static_cast<std::string&>(uri), host, port)) {
+  if (!ros::network::splitURI(uri, host, port)) {
     return {};
   }
   const auto& manager = ros::XMLRPCManager::instance();
   XmlRpc::XmlRpcClient* client = manager->getXMLRPCClient(host, static_cast<int>(port), "/");
-  XmlRpcValue asker;
-  XmlRpcValue answer;  // status, its text, the value
-  asker[0] = self;
-  const bool answered = client->execute(call, asker, answer);
+  XmlRpcValue answer;  // status, its text, value
+  const bool answered = client->execute(method, request, answer);
   manager->releaseXMLRPCClient(client);
   return answered && answer.getType() == XmlRpcValue::TypeArray && answer.size() == 3
              ? answer[2]
              : XmlRpcValue();
 }
 
-/// A connection is [id, the other's name, "o" for out, transport, topic, ...].
-bool has_connection(XmlRpcValue connections, const std::string& subscriber,
-                    const std::string& topic) {
+/// Answer of a node to a call of its API; of another type when it does not answer.
+XmlRpcValue ask_node(const std::string& self, const std::string& node, const char* method) {
+  XmlRpcValue request;
+  request[0] = self;
+  return call(uri_of(self, node), method, request);
+}
+
+/// roscpp lists a publisher as connected while it tries to connect.
+/// @param transport "TCPROS connection on port 37726 to [robot:42913 on socket 21]"
+bool is_established(const std::string& transport) {
+  constexpr std::string_view kSocket = " on socket ";
+  const auto place = transport.rfind(kSocket);
+  if (place == std::string::npos) {
+    return true;
+  }
+  const long socket = std::strtol(transport.c_str() + place + kSocket.size(), nullptr, 10);
+  sockaddr_storage peer{};
+  socklen_t size = sizeof peer;
+  return ::getpeername(static_cast<int>(socket), reinterpret_cast<sockaddr*>(&peer), &size) == 0;
+}
+
+/// A connection is [id, name ("o") or address ("i") of the other node, direction, transport, topic,
+/// true, description].
+bool has_connection(XmlRpcValue& connections, const std::string& other, const std::string& topic,
+                    const char* direction = "o") {
   if (connections.getType() != XmlRpcValue::TypeArray) {
     return false;
   }
   for (int i = 0; i < connections.size(); ++i) {
     XmlRpcValue& connection = connections[i];
-    if (static_cast<std::string&>(connection[2]) == "o" &&
-        static_cast<std::string&>(connection[1]) == subscriber &&
+    if (static_cast<std::string&>(connection[2]) == direction &&
+        static_cast<std::string&>(connection[1]) == other &&
         static_cast<std::string&>(connection[4]) == topic) {
-      return true;
+      return std::string_view(direction) == "o" ||
+             is_established(static_cast<std::string&>(connection[6]));
     }
   }
   return false;
@@ -86,7 +123,7 @@ bool has_connection(XmlRpcValue connections, const std::string& subscriber,
 
 bool has_publishers(const std::string& self, const std::string& topic) {
   try {
-    return !nodes_of(self, topic, Side::publishers).empty();
+    return !publishers_of(self, topic).empty();
   } catch (const XmlRpc::XmlRpcException&) {
     return false;  // an answer of another form than ROS's
   }
@@ -94,9 +131,10 @@ bool has_publishers(const std::string& self, const std::string& topic) {
 
 bool publishers_know(const std::string& self, const std::string& topic) {
   try {
-    const std::vector<std::string> nodes = nodes_of(self, topic, Side::publishers);
+    const std::vector<std::string> nodes = publishers_of(self, topic);
     for (const std::string& node : nodes) {
-      if (!has_connection(ask_node(self, node, "getBusInfo"), self, topic)) {
+      XmlRpcValue connections = ask_node(self, node, "getBusInfo");
+      if (!has_connection(connections, self, topic)) {
         return false;
       }
     }
@@ -109,7 +147,9 @@ bool publishers_know(const std::string& self, const std::string& topic) {
 std::vector<topics::Partner> subscribers(const std::string& self, const std::string& topic) {
   std::vector<topics::Partner> partners;
   try {
-    for (const std::string& node : nodes_of(self, topic, Side::subscribers)) {
+    XmlRpcValue state = system_state(self);
+    const auto nodes = state.valid() ? nodes_of(state[1], topic) : std::vector<std::string>();
+    for (const std::string& node : nodes) {
       XmlRpcValue topics = ask_node(self, node, "getSubscriptions");  // [topic, type], ...
       const int count = topics.getType() == XmlRpcValue::TypeArray ? topics.size() : 0;
       for (int i = 0; i < count; ++i) {
@@ -123,6 +163,54 @@ std::vector<topics::Partner> subscribers(const std::string& self, const std::str
     // An answer of another form than ROS's: the nodes before it are known.
   }
   return partners;
+}
+
+std::vector<Link> missing_links(const std::string& self) {
+  const auto& manager = ros::TopicManager::instance();
+  XmlRpcValue state = system_state(self);
+  XmlRpcValue request;
+  request[0] = self;
+  // By this address, because the one that this node registers may be wrong.
+  XmlRpcValue own =
+      call(fmt::format("http://127.0.0.1:{}/", ros::XMLRPCManager::instance()->getServerPort()),
+           "getBusInfo", request);
+  std::vector<Link> links;
+  const auto add = [&](const std::string& topic, bool publishers) {
+    for (const std::string& node : nodes_of(state[publishers ? 0 : 1], topic)) {
+      const std::string uri = node == self ? "" : uri_of(self, node);
+      if (!uri.empty() &&
+          !has_connection(own, publishers ? uri : node, topic, publishers ? "i" : "o")) {
+        links.push_back({publishers, topic, node, uri});
+      }
+    }
+  };
+  if (!state.valid() || !own.valid()) {
+    return links;
+  }
+  std::vector<std::string> topics;
+  manager->getSubscribedTopics(topics);
+  for (const std::string& topic : topics) {
+    add(topic, true);
+  }
+  topics.clear();
+  manager->getAdvertisedTopics(topics);
+  for (const std::string& topic : topics) {
+    add(topic, false);
+  }
+  return links;
+}
+
+std::optional<Address> data_address(const std::string& self, const Link& publisher) {
+  XmlRpcValue request;
+  request[0] = self;
+  request[1] = publisher.topic;
+  request[2][0][0] = std::string("TCPROS");
+  XmlRpcValue protocol = call(publisher.uri, "requestTopic", request);  // name, host, port
+  if (protocol.getType() != XmlRpcValue::TypeArray || protocol.size() != 3) {
+    return std::nullopt;
+  }
+  return Address{static_cast<std::string&>(protocol[1]),
+                 static_cast<std::uint16_t>(static_cast<int&>(protocol[2]))};
 }
 
 }  // namespace spikeloop::ros1

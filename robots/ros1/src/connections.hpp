@@ -1,9 +1,12 @@
-// Who is connected to whom, as the publishers see it.
+// Connections between nodes: those that exist, and those that the master's list implies.
 #pragma once
 
+#include <compare>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "ask.hpp"
 #include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::ros1 {
@@ -18,5 +21,22 @@ bool publishers_know(const std::string& self, const std::string& topic);
 /// Subscribers of a topic with their types. They come from the nodes themselves: a subscriber of
 /// another type has no connection to a publisher.
 std::vector<topics::Partner> subscribers(const std::string& self, const std::string& topic);
+
+/// Another node of one of this node's topics.
+struct Link {
+  bool is_publisher = false;  ///< else it subscribes
+  std::string topic;
+  std::string node;
+  std::string uri;  ///< "http://robot:45123/"
+
+  auto operator<=>(const Link&) const = default;
+};
+
+/// Nodes that the master lists for the topics of this node, and that are not connected to it.
+/// @throws XmlRpc::XmlRpcException: the answer has another form than a master's
+std::vector<Link> missing_links(const std::string& self);
+
+/// Address from which a publisher that answers sends its messages.
+std::optional<Address> data_address(const std::string& self, const Link& publisher);
 
 }  // namespace spikeloop::ros1

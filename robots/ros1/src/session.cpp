@@ -17,6 +17,7 @@
 #include "connections.hpp"
 #include "raw_publisher.hpp"
 #include "raw_subscriber.hpp"
+#include "reachability.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/ros1/master.hpp"
@@ -92,6 +93,7 @@ struct Session::Impl {
   std::unique_ptr<ros::NodeHandle> node;
   std::atomic<bool> ending{false};
   std::thread thread;
+  std::unique_ptr<ReachabilityWatch> watch;
 };
 
 Session::Session(const SessionSettings& settings) : impl_(std::make_unique<Impl>()) {
@@ -119,9 +121,13 @@ Session::Session(const SessionSettings& settings) : impl_(std::make_unique<Impl>
       impl_->queue.callAvailable(ros::WallDuration(0.1));
     }
   });
+  if (settings.warn_of_unreachable_nodes) {
+    impl_->watch = std::make_unique<ReachabilityWatch>(uri);
+  }
 }
 
 Session::~Session() {
+  impl_->watch.reset();
   impl_->ending.store(true);
   impl_->queue.disable();
   impl_->thread.join();
@@ -170,6 +176,10 @@ bool Session::has_publishers(const std::string& topic) const {
 
 std::vector<topics::Partner> Session::subscribers(const std::string& topic) const {
   return impl_->look->subscribers(node_name(), topic);
+}
+
+bool Session::has_warned_of_unreachable_node(const std::string& topic) const {
+  return impl_->watch && impl_->watch->has_warned(topic);
 }
 
 bool Session::publishers_know_us(const std::string& topic) const {

@@ -345,7 +345,10 @@ void CommandEndpoint::mind_subscribers() {
                  other->type, address_.message_type,
                  topics::remedy_for_type(other->type, address_.message_type));
   }
-  if (!subscribed && !told_misfit_ && !told_type_ && !std::exchange(told_none_, true)) {
+  const bool has_reason =
+      told_misfit_ || told_type_ ||
+      session_.has_warned_of_unreachable_node(session_.whole_topic(address_.topic));
+  if (!subscribed && !has_reason && !std::exchange(told_none_, true)) {
     log::warning(
         "no subscriber of {} on topic '{}'; the robot will not move. '{} info {}' shows "
         "subscribers "

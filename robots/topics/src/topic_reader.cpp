@@ -179,6 +179,9 @@ void TopicReader::mind_silence(TimeNs now, TimeNs newest_at) {
     return;
   }
   told = true;
+  if (session_.has_warned_of_unreachable_node(topic_)) {
+    return;
+  }
   if (newest_at == 0 && nothing_arrives_whole()) {
     log::warning(
         "topic '{}' has a publisher, but no message of it arrives whole; give the system a larger "

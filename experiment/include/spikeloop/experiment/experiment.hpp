@@ -238,5 +238,7 @@ std::unique_ptr<Loaded> load(const std::string& path, const Overrides& overrides
 
 /// Where paths in the file start.
 std::string directory_of(const std::string& experiment_path);
+/// Absolute path of the file that the user wrote, also if a copy of it is run.
+std::string file_of_user(const Experiment& experiment);
 
 }  // namespace spikeloop::experiment

@@ -30,6 +30,8 @@ struct JobOptions {
   std::string hostfile{};
   /// The only section of the file, already checked, runs without mpirun and MUSIC.
   bool alone = false;
+  /// `file` of summary.json: the file that the user wrote. Empty: the job's file.
+  std::string source{};
   /// What is said of the file, for whoever wrote another one that it was made from. Empty: as it
   /// is.
   std::function<std::string(const std::string&)> translate{};

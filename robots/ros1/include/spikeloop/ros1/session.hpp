@@ -48,6 +48,7 @@ class Session : public topics::Session {
   /// some time before.
   std::vector<topics::Partner> subscribers(const std::string& topic) const override;
   bool publishers_know_us(const std::string& topic) const override;
+  bool has_warned_of_unreachable_node(const std::string& topic) const override;
 
  private:
   struct Impl;

@@ -116,6 +116,7 @@ struct SessionSettings {
   bool unique_name = false;
   RosArguments arguments{};  ///< `__name` wins over `node_name`
   Place place{};             ///< another session's; empty: what this process's environment says
+  bool warn_of_unreachable_nodes = true;  ///< ROS 1
 };
 
 /// This process as a node of ROS 1 or ROS 2. Publishers and subscribers must end before it.
@@ -164,6 +165,10 @@ class Session {
   /// they publish from now on comes.
   /// @param topic as whole_topic() gives it
   virtual bool publishers_know_us(const std::string& topic) const = 0;
+  /// True if a warning has named a node of this topic that cannot be connected (ROS 1). Then there
+  /// is no need to warn that the topic brings no messages, or has no subscribers.
+  /// @param topic as whole_topic() gives it
+  virtual bool has_warned_of_unreachable_node(const std::string& /*topic*/) const { return false; }
 };
 
 }  // namespace spikeloop::topics

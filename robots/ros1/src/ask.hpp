@@ -1,0 +1,47 @@
+// Questions to a node or the master with a deadline, unlike those of roscpp.
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <string>
+
+#include "spikeloop/core/time.hpp"
+#include "spikeloop/ros1/master.hpp"
+
+namespace spikeloop::ros1 {
+
+using Address = MasterAddress;
+
+/// "http://robot:45123/". @return nullopt if it has another form
+std::optional<Address> parse_uri(const std::string& uri);
+
+/// Reason why an address gives no answer.
+struct Fault {
+  enum class Kind {
+    unresolved,     ///< the host name has no address
+    ipv6_only,      ///< it has IPv6 addresses only, which this node does not use (ROS_IPV6)
+    silent,         ///< no connection, or no answer in time
+    other_program,  ///< the answer is not that of a node or master
+  };
+  Kind kind;
+  std::string reason;  ///< "Connection refused"
+};
+
+struct Limit {
+  TimeNs deadline;                               ///< of wall_now()
+  const std::atomic<bool>* cancelled = nullptr;  ///< nullptr: the question cannot be cancelled
+  bool ipv6 = true;                              ///< also connects to IPv6 addresses
+};
+
+/// Calls getPid, which master and nodes have. @return nullopt if there was an answer
+std::optional<Fault> ask_for_pid(const Address& address, const Limit& limit);
+/// Connects to the address, and sends nothing.
+std::optional<Fault> connect_only(const Address& address, const Limit& limit);
+
+/// True for 'localhost' and addresses that no other machine reaches.
+bool is_loopback(const std::string& host);
+/// IP address of this machine on the way to another one. Empty if the address is of this machine.
+/// Resolves the host name without a time limit.
+std::string own_address_towards(const Address& address);
+
+}  // namespace spikeloop::ros1
