@@ -13,7 +13,7 @@ disk.
 it sees; `spikeloop.testing` runs one without the C++ programs.
 
 `load` reads an experiment, which can be changed and run (`spikeloop.experiment`); `open_run` reads a run
-(`spikeloop.run_folder`); `gymnasium_env` makes an experiment an environment for agents
+(`spikeloop.run_folder`), `read_messages` the messages of any recording; `gymnasium_env` makes an experiment an environment for agents
 (`spikeloop.environment`). `spikeloop.plots`, which draws it, is imported by name, because matplotlib is slow.
 
 `music` makes a script a MUSIC program (`spikeloop.music_host`); `spikeloop.neuron`,
@@ -26,7 +26,7 @@ from .home import provide_home
 provide_home()
 
 __all__ = ["NodeError", "Parameter", "SECOND", "Signal", "Spikes", "SpikeloopError", "Weights", "gymnasium_env",
-           "load", "music", "node", "open_run"]
+           "load", "music", "node", "open_run", "read_messages", "read_topics"]
 
 
 def __getattr__(name):
@@ -37,6 +37,9 @@ def __getattr__(name):
     if name == "gymnasium_env":
         from .environment import Environment
         return Environment
+    if name in ("read_messages", "read_topics"):
+        from . import messages
+        return getattr(messages, name)
     if name in ("load", "open_run", "SpikeloopError"):
         from . import experiment
         return getattr(experiment, name)

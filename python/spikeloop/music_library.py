@@ -1,4 +1,4 @@
-"""Finds and opens the libraries behind spikeloop.music and spikeloop.Experiment.open."""
+"""Finds and opens the libraries behind spikeloop.music, Experiment.open and read_messages."""
 
 import importlib.util
 import os
@@ -11,6 +11,9 @@ PACKAGE = os.path.dirname(os.path.abspath(__file__))
 def _directories():
     written = os.environ.get("SPIKELOOP_LIBRARY_PATH", "")
     yield from (directory for directory in written.split(":") if directory)
+    programs = os.environ.get("SPIKELOOP_PROGRAMS")
+    if programs:
+        yield os.path.join(programs, "../lib/spikeloop")
     # PREFIX/share/spikeloop/python/spikeloop, in the build tree as installed.
     yield os.path.join(PACKAGE, "../../../../lib/spikeloop")
     program = shutil.which("spikeloop")

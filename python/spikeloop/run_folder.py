@@ -11,6 +11,7 @@ Files (docs/run-folder.md):
     trajectory.csv  t_s, x_m, y_m, theta_rad, v_m_s, w_rad_s, collisions (counted so far)
     world.json      the robot's arena, obstacles, lamps, goals and lanes
     summary.json    results of the run
+    messages.mcap   messages of sensors and commands
     resolved.json   an experiment with every default
 """
 
@@ -270,6 +271,24 @@ class RunFolder:
             return table | {"end": [row["end"] for row in rows]}
         except (KeyError, ValueError, csv.Error) as error:
             raise RunFolderError(f"'{file}' is damaged: {error}") from None
+
+    def messages(self, topic, fields=(), node=""):
+        """The messages of a topic, such as "/scan": spikeloop.messages.Messages. Arguments as of read_messages().
+        @raises RunFolderError: the run recorded none, or has no such topic (the error lists them), field or node"""
+        from .messages import read_messages
+        return read_messages(self._recorded_messages(), topic, fields, node)
+
+    def topics(self):
+        """Topics whose messages the run recorded: {"/scan": "sensor_msgs/LaserScan"}. @raises RunFolderError"""
+        from .messages import read_topics
+        return read_topics(self._recorded_messages())
+
+    def _recorded_messages(self):
+        file = self.path / "messages.mcap"
+        if not file.exists():
+            raise RunFolderError(f"'{file}' is missing: the run has no topics, was run with --no-record, or has its "
+                                 "sensors and commands in several processes (use --layout fused)")
+        return file
 
     def world(self):
         """The robot's world as written by the robot: arena, obstacles, lamps, goals, lanes, in metres."""
