@@ -36,9 +36,20 @@ constexpr Unit kUnits[] = {
     {"m/s", "speed", 1.0},       {"rad/s", "turning", 1.0},   {"deg/s", "turning", kDegree},
     {"1", "number", 1.0}};
 
+/// "us" for both letters of micro: the micro sign U+00B5 and the Greek letter U+03BC.
+std::string with_ascii_micro(std::string_view name) {
+  for (const std::string_view micro : {"\u00b5", "\u03bc"}) {
+    if (name.starts_with(micro)) {
+      return "u" + std::string(name.substr(micro.size()));
+    }
+  }
+  return std::string(name);
+}
+
 const Unit* find_unit(std::string_view name) {
+  const std::string ascii = with_ascii_micro(name);
   for (const Unit& unit : kUnits) {
-    if (name == unit.name) {
+    if (ascii == unit.name) {
       return &unit;
     }
   }

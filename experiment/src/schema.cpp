@@ -37,13 +37,20 @@ Json with_bounds(Json schema, const ParameterDescription& parameter) {
   return schema;
 }
 
+/// "ns|[u\u00b5\u03bc]s|ms|s": both letters of micro are accepted, as by parse_quantity.
+std::string units_pattern(std::string_view unit) {
+  std::string pattern;
+  for (const std::string& each : units_like(unit)) {
+    pattern += pattern.empty() ? "" : "|";
+    pattern += each.starts_with('u') ? "[u\u00b5\u03bc]" + each.substr(1) : each;
+  }
+  return pattern;
+}
+
 /// A number with a unit is a text for YAML; of its bounds, a pattern knows the sign alone. Zero
 /// needs no unit.
 Json quantity(const ParameterDescription& parameter) {
-  std::string units;
-  for (const std::string& unit : units_like(parameter.unit)) {
-    units += (units.empty() ? "" : "|") + unit;
-  }
+  const std::string units = units_pattern(parameter.unit);
   const char* sign = parameter.minimum >= 0 ? "\\+?" : "[+-]?";
   return {{"anyOf",
            {{{"type", "string"}, {"pattern", fmt::format("^{}{} *({})$", sign, kDigits, units)}},
@@ -253,7 +260,7 @@ Json connections() {
   const std::string station = fmt::format(R"( *{}( *\[[^\[\]]*\])? *)", end);
   Json map = object_of(connection_parameters());
   map["properties"]["delay"]["pattern"] =
-      fmt::format("^{} *(ticks?|{})$", kDigits, fmt::join(units_like("s"), "|"));
+      fmt::format("^{} *(ticks?|{})$", kDigits, units_pattern("s"));
   map["properties"]["delay"]["type"] = "string";
   const auto text_like = [](const std::string& pattern) {
     return Json{{"type", "string"}, {"pattern", fmt::format("^{}$", pattern)}};

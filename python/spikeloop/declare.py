@@ -34,11 +34,17 @@ UNITS = ("", "1", "ns", "us", "ms", "s", "min", "h", "Hz", "kHz", "MHz", "uV", "
          "nA", "uA", "mA", "A", "pF", "nF", "uF", "Ohm", "kOhm", "MOhm", "GOhm", "mm", "cm", "m",
          "km", "rad", "deg", "m/s", "rad/s", "deg/s")
 _TYPES = {float: "number", int: "integer", bool: "boolean", str: "text"}
+_MICRO = ("\N{MICRO SIGN}", "\N{GREEK SMALL LETTER MU}")
 _REQUIRED = object()
 
 
 class NodeError(Exception):
     """A declaration, or what a node did, is wrong; the text says what, and what to write."""
+
+
+def _with_ascii_micro(unit):
+    """"us" for both letters of micro, as in C++."""
+    return "u" + unit[1:] if isinstance(unit, str) and unit.startswith(_MICRO) else unit
 
 
 def did_you_mean(word, candidates):
@@ -97,7 +103,7 @@ class Parameter:
     def __init__(self, default=_REQUIRED, *, unit="", minimum=None, maximum=None, choices=None,
                  type=None, text=""):
         self.required = default is _REQUIRED
-        self.unit, self.text = unit, text
+        self.unit, self.text = _with_ascii_micro(unit), text
         self.minimum = -math.inf if minimum is None else minimum
         self.maximum = math.inf if maximum is None else maximum
         self.choices = list(choices or ())

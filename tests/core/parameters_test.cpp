@@ -28,6 +28,20 @@ TEST(Quantity, ConvertsUnits) {
   EXPECT_EQ(parse_quantity("7", ""), 7.0);
 }
 
+TEST(Quantity, MicroHasThreeLetters) {
+  for (const std::string micro : {"u", "\u00b5", "\u03bc"}) {
+    EXPECT_EQ(parse_quantity("1 " + micro + "s", "s"), 1e-6);
+    EXPECT_EQ(parse_quantity("20" + micro + "s", "ms"), 0.02);
+    EXPECT_EQ(parse_quantity("3 " + micro + "s", "us"), 3);
+    EXPECT_EQ(parse_quantity("3 us", micro + "s"), 3);
+    EXPECT_EQ(parse_quantity("1500 " + micro + "V", "mV"), 1.5);
+    EXPECT_EQ(parse_quantity("1 " + micro + "A", "pA"), 1e6);
+    EXPECT_DOUBLE_EQ(parse_quantity("1 " + micro + "F", "nF"), 1000);
+    EXPECT_THAT(quantity_error("1 " + micro, "s"), Fault("... ns, us, ms, s, min, h ... [SL0202]"));
+    EXPECT_THAT(quantity_error("1 m" + micro + "s", "s"), Fault("... [SL0202]"));
+  }
+}
+
 TEST(Quantity, SaysWhatIsWrong) {
   EXPECT_THAT(quantity_error("", "s"), Fault("'' ... 0.5 s ... [SL0201]"));
   EXPECT_THAT(quantity_error("fast", "Hz"), Fault("'fast' ... 0.5 Hz ... [SL0201]"));

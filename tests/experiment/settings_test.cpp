@@ -45,6 +45,13 @@ TEST_F(SettingsTest, ReplaceKeysOfTheExperimentNodesAndRobot) {
   EXPECT_EQ(experiment.settings.size(), 6U);
 }
 
+TEST_F(SettingsTest, MicroIsEitherLetter) {
+  const std::string text = with({{"tau: 30 ms", "tau: 30 \u00b5s"}});
+  ASSERT_NE(text, kGood);
+  EXPECT_EQ(good({}, text).node("decoder").parameters.number("tau"), 30e-6);
+  EXPECT_EQ(good({"decoder.tau=20 \u03bcs"}).node("decoder").parameters.number("tau"), 20e-6);
+}
+
 TEST_F(SettingsTest, AddKeysThatTheFileDoesNotHave) {
   const Experiment experiment =
       good({"sync=lockstep", "encoder.rate_min=5 Hz", "robot.camera.width=32"});

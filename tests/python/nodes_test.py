@@ -185,6 +185,8 @@ class DeclarationTest(Says):
                               (True, "true"), ("word", "word"), (-2.5, "-2.5")):
             self.assertEqual(Parameter(default).default_text(), text)
         self.assertIsNone(Parameter(unit="s").default_text())
+        for micro in ("us", "\N{MICRO SIGN}s", "\N{GREEK SMALL LETTER MU}s"):
+            self.assertEqual(Parameter(3, unit=micro).unit, "us")
 
     def test_ports(self):
         self.says("a port has width=2 and same_as='in'; write one of them", Signal, 2, "in")
