@@ -190,7 +190,7 @@ void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
   result.where = robot.keys.at("bag").where;
   result.bag = in_directory(directory, robot.keys.at("bag").text);
   while (result.bag.size() > 1 && result.bag.ends_with('/')) {
-    result.bag.pop_back();  // of a folder
+    result.bag.pop_back();  // a folder
   }
   std::vector<ParameterDescription> declared;
   WrittenValues written = robot.keys;

@@ -154,6 +154,9 @@ def parts(scratch):
                 path.unlink()
             files.append(path.name + (".zstd" if pack else ""))
         same_as_plain(scratch, folder)  # as a recorder that was killed leaves it
+        (folder / f"{name}_12{ending}").write_bytes(b"")
+        same_as_plain(scratch, folder, f"{name}_12{ending}' is empty and is left out")
+        (folder / f"{name}_12{ending}").unlink()
         writer.metadata(folder, files, *(("FILE", "zstd") if pack else ()))
         same_as_plain(scratch, folder)
         same_as_plain(scratch, folder / "metadata.yaml")

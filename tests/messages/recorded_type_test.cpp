@@ -108,7 +108,8 @@ TEST(RecordedType, Messages) {
     std::vector<std::byte> message;
     MessageWriter(catalog, "geometry_msgs/Pose2D", {}).write({}, message);
     const std::span<const std::byte> bytes = message;
-    const TypeLayout& type = *catalog.layout("geometry_msgs/Pose2D");
+    const auto layout = catalog.layout("geometry_msgs/Pose2D");
+    const TypeLayout& type = *layout;
     EXPECT_EQ(compare_message(bytes, type).fit, Fit::same);
     const Comparison shorter = compare_message(bytes.first(bytes.size() - 8), type);
     EXPECT_EQ(shorter.fit, Fit::shorter);

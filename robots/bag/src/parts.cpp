@@ -5,6 +5,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -32,7 +33,7 @@ struct Name {
 
 /// nullopt: not the name of a recording.
 std::optional<Name> parse_name(const std::string& file) {
-  static const std::regex pattern(R"((.*?)(?:_(\d{1,18}))?(\.(?:mcap|db3|bag)(?:\.zstd)?))");
+  static const std::regex pattern(R"((.*?)(?:_(\d{1,18}))?(\.(?:mcap|db3|bag)(?:\.zstd?)?))");
   // `rosbag record --split` puts the time at which a part begins into its name.
   static const std::regex date(R"(\d{4}(?:-\d\d){5}$)");
   std::smatch found;
@@ -40,6 +41,9 @@ std::optional<Name> parse_name(const std::string& file) {
     return std::nullopt;
   }
   Name name{found[1], found[2].matched ? std::stoull(found[2]) : 0, found[3]};
+  if (name.ending.ends_with(".zst")) {
+    name.ending += 'd';
+  }
   if (found[2].matched) {
     name.recording = std::regex_replace(name.recording, date, "");
   }
@@ -121,7 +125,6 @@ Parts listed_parts(const fs::path& folder, const Metadata& metadata) {
                               folder.string(), metadata.packed_messages));
   }
   std::set<std::string> names;
-  std::string ending;
   for (const std::string& listed : metadata.files) {
     const auto file = find_listed(folder, listed);
     if (!file) {
@@ -208,7 +211,7 @@ Parts parts_of_folder(const fs::path& folder) {
   return parts;
 }
 
-/// Somebody who gives one part may not know of the others.
+/// Warns if a file is one of several parts.
 std::vector<std::string> warn_of_others(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   if (!parse_name(file.filename().string()) || !fs::exists(folder / kMetadata)) {

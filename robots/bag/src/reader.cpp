@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <filesystem>
 #include <fstream>
 #include <limits>
-#include <map>
 #include <stdexcept>
 #include <string_view>
 #include <tuple>
@@ -30,13 +30,11 @@ constexpr std::string_view kRos1Magic = "#ROSBAG V";
 constexpr std::string_view kSqliteMagic{"SQLite format 3\0", 16};
 
 /// Files that other programs compress.
-constexpr std::pair<std::string_view, const char*> kPackers[] = {{"\x1F\x8B", "gunzip"},
+constexpr std::pair<std::string_view, const char*> kPackers[] = {{"\037\213", "gunzip"},
                                                                  {"BZh", "bunzip2"},
-                                                                 {"\xFD"
-                                                                  "7zXZ",
-                                                                  "unxz"},
-                                                                 {"\x04\x22\x4D\x18", "unlz4"},
-                                                                 {"PK\x03\x04", "unzip"}};
+                                                                 {"\3757zXZ", "unxz"},
+                                                                 {"\004\042\115\030", "unlz4"},
+                                                                 {"PK\003\004", "unzip"}};
 
 std::string first_bytes(const std::string& path) {
   errno = 0;
@@ -113,6 +111,11 @@ class Recording {
     Parts parts = find_parts(path);
     warnings_ = std::move(parts.warnings);
     for (const std::string& file : parts.files) {
+      std::error_code none;
+      if (parts.files.size() > 1 && std::filesystem::file_size(file, none) == 0) {
+        warnings_.push_back(fmt::format("'{}' is empty and is left out", file));
+        continue;  // the last part of a recorder that was killed
+      }
       parts_.push_back(open_part(file));
       const auto& warnings = parts_.back()->warnings();
       warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());
@@ -264,8 +267,8 @@ class Recording {
 
 /// Reads messages in the order of their times.
 struct Stream::Impl {
-  Impl(std::shared_ptr<const Recording> whose, const std::vector<std::size_t>& connections)
-      : recording(std::move(whose)), bytes(recording->part_count()) {
+  Impl(std::shared_ptr<const Recording> opened, const std::vector<std::size_t>& connections)
+      : recording(std::move(opened)), bytes(recording->part_count()) {
     for (const std::size_t connection : connections) {
       may_be_packed |= recording->connections()[connection].dialect == messages::Dialect::ros2;
       const auto& places = recording->places(connection);

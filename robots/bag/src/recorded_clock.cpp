@@ -57,7 +57,7 @@ std::string RecordedClock::warning(const std::string& recording) const {
       "'{}': its clock jumps from {} to {} after {} {}{}; the messages after a jump follow at once",
       recording, format_time(first_->from), format_time(first_->to), first_->messages,
       first_->messages == 1 ? "message" : "messages",
-      jumps_ > 1 ? fmt::format(", and {} more times", jumps_ - 1) : "");
+      jumps_ > 1 ? fmt::format(" (the first of {} jumps)", jumps_) : "");
 }
 
 }  // namespace spikeloop::bag

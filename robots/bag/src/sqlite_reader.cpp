@@ -66,7 +66,7 @@ class Database {
                                                                         &::sqlite3_close);
       refuse(name_, database_);
     }
-    // The file may be from anybody.
+    // As SQLite advises for untrusted files.
     ::sqlite3_db_config(database_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     ::sqlite3_db_config(database_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     ::sqlite3_db_config(database_, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
