@@ -69,7 +69,8 @@ void RosTransport::add(const std::string& topic, ros_command::CommandEndpoint& c
     robot_->add_command({session_->whole_topic(topic),
                          [&command] { return command.has_subscribers(); },
                          [&command] { return command.sent(); },
-                         {}});
+                         {},
+                         [&command] { return command.deliver(); }});
     if (const std::string positions = command.positions_topic(); !positions.empty()) {
       robot_->add_sensor({session_->whole_topic(positions),
                           [&command] { return command.positions_have_publisher(); },

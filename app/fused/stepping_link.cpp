@@ -20,6 +20,7 @@ using stepping::Request;
 constexpr TimeNs kFirstWord = 3 * kNsPerSecond;  // wall time
 constexpr TimeNs kRepeat = kNsPerSecond;
 constexpr std::uint32_t kAll = 0;
+constexpr int kMostDeliveries = 20;  // of 100 ms at most
 
 /// No other run with this robot has it.
 std::uint64_t number_of_run() {
@@ -140,7 +141,27 @@ bool SteppingLink::meet() {
       });
 }
 
+/// Who steps a simulator has received the commands, but the simulator may not: it steps on the
+/// commands that it has. So the subscribers confirm them before.
+void SteppingLink::deliver_commands() {
+  for (const SteppedTopic& topic : commands_) {
+    bool delivered = false;
+    for (int i = 0; i < kMostDeliveries && !delivered; ++i) {
+      delivered = topic.deliver();
+    }
+    if (!delivered && !std::exchange(told_undelivered_, true)) {
+      log::warning(
+          "a subscriber of {} does not confirm commands; the simulator may step without them, and "
+          "runs may differ. Is a program that subscribes to it stopped?",
+          topic.name);
+    }
+  }
+}
+
 void SteppingLink::advance(TimeNs time) {
+  if (counts_for_another_ && !told_undelivered_) {
+    deliver_commands();
+  }
   Request request{.to = time};
   for (const SteppedTopic& topic : commands_) {
     request.sent[topic.name] = topic.count();
@@ -241,7 +262,9 @@ void SteppingLink::ask(const Request& request) {
                           format_time(asked_for_)));
   };
   if (waiting_.until(done, meanwhile)) {
-    check(answer().value());
+    const Answer given = answer().value();
+    check(given);
+    counts_for_another_ = given.at_least;
   }
 }
 

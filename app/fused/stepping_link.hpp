@@ -21,6 +21,8 @@ struct SteppedTopic {
   std::function<bool()> connected;       ///< whether there is somebody at the other end
   std::function<std::uint64_t()> count;  ///< messages that have come or left
   std::function<void()> require_sound;   ///< throws what is wrong with it
+  /// Of a command: as topics::RawPublisher::deliver().
+  std::function<bool()> deliver{};
 };
 
 class SteppingLink {
@@ -45,6 +47,7 @@ class SteppingLink {
 
  private:
   bool meet();
+  void deliver_commands();
   void ask(const stepping::Request& request);
   void repeat(const stepping::Request& request, TimeNs waited);
   void send(const stepping::Request& request);
@@ -64,6 +67,8 @@ class SteppingLink {
   std::vector<SteppedTopic> commands_;
   std::set<std::string> unknown_{stepping::kSteppedTopic};  ///< may not arrive yet
   bool begun_ = false;
+  bool counts_for_another_ = false;  ///< the answers come from a program that steps a simulator
+  bool told_undelivered_ = false;
   TimeNs repeat_at_ = 0;  ///< of the wall time that a request has waited
   std::mutex mutex_;
   TimeNs asked_for_ = 0;  ///< written by the loop alone

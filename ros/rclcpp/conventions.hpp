@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <rclcpp/node_interfaces/node_graph_interface.hpp>
 #include <rclcpp/qos.hpp>
 #include <string>
 
@@ -17,6 +18,12 @@ inline std::string ros2_type(const std::string& type) {
 /// The way back.
 inline std::string plain_type(const std::string& ros2_type) {
   return ros2_type.substr(0, ros2_type.find('/')) + ros2_type.substr(ros2_type.rfind('/'));
+}
+
+/// "/left/base": the node of an endpoint.
+inline std::string node_of(const rclcpp::TopicEndpointInfo& endpoint) {
+  const std::string& space = endpoint.node_namespace();
+  return (space == "/" ? space : space + "/") + endpoint.node_name();
 }
 
 /// "Any number" of messages: a publisher that keeps all of them fails, or waits, when a subscriber

@@ -52,11 +52,11 @@ std::string Publisher::misfit() const {
   return {};
 }
 
-void Publisher::drain() const {
+bool Publisher::deliver() const {
   try {
-    publisher_->wait_for_all_acked(kLongestDrain);
+    return publisher_->wait_for_all_acked(kLongestDrain);
   } catch (const rclcpp::exceptions::RCLError&) {
-    // A middleware that knows no acknowledgements has sent what was published.
+    return true;  // a middleware that knows no acknowledgements has sent what was published
   }
 }
 

@@ -21,7 +21,8 @@ class Publisher final : public topics::RawPublisher {
   void publish(std::span<const std::byte> message) override;
   bool has_subscribers() const override;
   std::string misfit() const override;
-  void drain() const override;
+  void drain() const override { deliver(); }
+  bool deliver() const override;
 
  private:
   std::shared_ptr<rclcpp::Node> node_;

@@ -140,6 +140,14 @@ class Session final : public topics::Session {
   bool has_publishers(const std::string& topic) const override {
     return node_->count_publishers(topic) > 0;
   }
+  std::vector<topics::Partner> subscribers(const std::string& topic) const override {
+    std::vector<topics::Partner> partners;
+    for (const auto& subscriber : node_->get_subscriptions_info_by_topic(topic)) {
+      partners.push_back(
+          {.node = node_of(subscriber), .type = plain_type(subscriber.topic_type())});
+    }
+    return partners;
+  }
   bool publishers_know_us(const std::string& topic) const override {
     const auto now = std::chrono::steady_clock::now();
     const std::lock_guard lock(mutex_);

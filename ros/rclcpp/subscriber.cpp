@@ -20,7 +20,7 @@ Subscriber::Subscriber(std::shared_ptr<rclcpp::Node> node, topics::Subscription 
     : node_(std::move(node)),
       subscription_(std::move(subscription)),
       type_(type),
-      reliable_(subscription_.queue == 0 || subscription_.reliable || subscription_.latched),
+      reliable_(subscription_.queue == 0 || subscription_.reliable),
       take_(std::make_shared<Take>([take = subscription_.take](const auto& message) {
         const rcl_serialized_message_t& raw = message.get_rcl_serialized_message();
         take(std::as_bytes(std::span(raw.buffer, raw.buffer_length)));
@@ -35,10 +35,10 @@ Subscriber::~Subscriber() {
   look_->close();
 }
 
-/// Reliably or by best effort, as reliable_ has it; in place of the subscription before.
+/// As reliable_ and late_ have it; in place of the subscription before.
 void Subscriber::subscribe() {
-  rclcpp::QoS qos = reliable_qos(subscription_.queue, subscription_.latched);
-  if (!reliable_) {
+  rclcpp::QoS qos = reliable_qos(subscription_.queue, late_);
+  if (!reliable_ && !late_) {
     qos.best_effort();
   }
   auto subscriber = node_->create_generic_subscription(
@@ -60,21 +60,40 @@ bool Subscriber::has_publishers() const {
 }
 
 /// In the session's thread. A reliable subscriber gets nothing from publishers that are best
-/// effort.
+/// effort, and one that requests earlier messages nothing from those that do not keep them.
 void Subscriber::look() {
   const std::string topic = subscriber()->get_topic_name();
   bool best_effort = false;
+  bool any = false;
+  bool latched = true;
   for (const auto& publisher : node_->get_publishers_info_by_topic(topic)) {
-    best_effort |= publisher.qos_profile().reliability() == rclcpp::ReliabilityPolicy::BestEffort;
     const std::string other = plain_type(publisher.topic_type());
-    if (subscription_.refuse && other != type_ && refused_.insert(other).second) {
-      subscription_.refuse(
-          {.type = other, .text = "topic '" + topic + "' carries " + other + ", not " + type_});
+    if (other != type_) {
+      refuse(topic, other, publisher);
+      continue;
     }
+    const bool reliable =
+        publisher.qos_profile().reliability() != rclcpp::ReliabilityPolicy::BestEffort;
+    any = true;
+    best_effort |= !reliable;
+    latched &= reliable &&
+               publisher.qos_profile().durability() == rclcpp::DurabilityPolicy::TransientLocal;
   }
-  if (reliable_ && best_effort) {
-    reliable_ = false;
+  latched_ = any ? latched : latched_.load();
+  const bool late = any && latched && subscription_.latched;
+  if ((reliable_ && best_effort) || late != late_) {
+    reliable_ = reliable_ && !best_effort;
+    late_ = late;
     subscribe();
+  }
+}
+
+void Subscriber::refuse(const std::string& topic, const std::string& type,
+                        const rclcpp::TopicEndpointInfo& publisher) {
+  if (subscription_.refuse && refused_.insert(type).second) {
+    subscription_.refuse({.type = type,
+                          .text = "topic '" + topic + "' carries " + type + ", not " + type_,
+                          .node = [node = node_of(publisher)] { return node; }});
   }
 }
 

@@ -147,6 +147,23 @@ TEST_F(FastDdsTest, gets_what_was_latched_before) {
   EXPECT_EQ(other->output().find("0.125"), std::string::npos);
 }
 
+TEST_F(FastDdsTest, confirms_a_command_within_milliseconds) {
+  Session session({.node_name = "brain", .place = domain_.place()});
+  const auto commands = session.publisher("/cmd_vel", "geometry_msgs/Twist");
+  const auto other = robot("udp");
+  ASSERT_TRUE(eventually(kLong, [&] { return commands->has_subscribers(); }));
+  ASSERT_TRUE(eventually(kLong, [&] { return commands->deliver(); }));
+  const auto begin = std::chrono::steady_clock::now();
+  constexpr int kCommands = 50;
+  for (int i = 1; i <= kCommands; ++i) {
+    commands->publish(twist_of(i, 0));
+    ASSERT_TRUE(eventually(kLong, [&] { return commands->deliver(); })) << i;
+  }
+  const auto time = std::chrono::steady_clock::now() - begin;
+  EXPECT_LT(time, kCommands * std::chrono::milliseconds(80)) << "it waits for the next heartbeat";
+  EXPECT_TRUE(other->wait_for("twist 50 0", kLongMilliseconds));
+}
+
 /// A mode of the robot, and what its subscriber of commands requests.
 struct Misfit {
   const char* mode;

@@ -11,6 +11,7 @@
 #include <dds/ddsi/q_protocol.h>
 #include <dds/ddsi/q_rtps.h>
 #include <dds/ddsi/q_thread.h>
+#include <dds/ddsi/q_xevent.h>
 #include <endian.h>
 #include <string.h>
 
@@ -114,6 +115,21 @@ bool take_first_message(const struct ddsi_sertype* any, const dds_guid_t* writer
   }
   sleep_again();
   return done;
+}
+
+void request_acknowledgements(const struct ddsi_sertype* any, const dds_guid_t* writer) {
+  const ddsi_guid_t guid = inside_guid(writer);
+  struct ddsi_writer* found = entidx_lookup_writer_guid(wake(any)->entity_index, &guid);
+  if (found != NULL && found->heartbeat_xevent != NULL) {
+    ddsrt_mutex_lock(&found->e.lock);
+    // As if all that were long ago: the next heartbeat is due, and asks for an answer.
+    found->hbcontrol.t_of_last_write.v = 0;
+    found->hbcontrol.t_of_last_hb.v = 0;
+    found->hbcontrol.t_of_last_ackhb.v = 0;
+    ddsrt_mutex_unlock(&found->e.lock);
+    resched_xevent_if_earlier(found->heartbeat_xevent, ddsrt_time_monotonic());
+  }
+  sleep_again();
 }
 
 int64_t newest_announced(const struct ddsi_sertype* any, const dds_guid_t* writer) {

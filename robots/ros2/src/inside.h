@@ -29,6 +29,10 @@ bool have_announced_subscribers(const struct ddsi_sertype* any, const dds_guid_t
 bool take_first_message(const struct ddsi_sertype* any, const dds_guid_t* writer,
                         const dds_guid_t* reader);
 
+/// Lets a reliable writer of ours ask its readers at once what they have received. Cyclone DDS asks
+/// every 100 ms.
+void request_acknowledgements(const struct ddsi_sertype* any, const dds_guid_t* writer);
+
 /// The number of the newest message that another participant's writer has announced, or begun to
 /// send; 0: none, or the writer has gone. Best effort readers alone get no announcements.
 int64_t newest_announced(const struct ddsi_sertype* any, const dds_guid_t* writer);

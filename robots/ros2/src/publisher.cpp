@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "inside.h"
 #include "qos.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
@@ -77,8 +78,13 @@ std::string Publisher::misfit() const {
 
 // Cyclone writes to the socket within publish(); what is left to wait for is that reliable
 // subscribers have it, lest something was lost on the way.
-void Publisher::drain() const {
-  dds_wait_for_acks(writer_, kLongestDrain);
+bool Publisher::deliver() const {
+  dds_guid_t own{};
+  dds_get_guid(writer_, &own);
+  if (!session_.left) {
+    request_acknowledgements(topic_.type, &own);
+  }
+  return dds_wait_for_acks(writer_, kLongestDrain) != DDS_RETCODE_TIMEOUT;
 }
 
 }  // namespace spikeloop::ros2

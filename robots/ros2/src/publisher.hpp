@@ -19,7 +19,8 @@ class Publisher final : public topics::RawPublisher {
   void publish(std::span<const std::byte> message) override;
   bool has_subscribers() const override;
   std::string misfit() const override;
-  void drain() const override;
+  void drain() const override { deliver(); }
+  bool deliver() const override;
 
  private:
   Session::Impl& session_;

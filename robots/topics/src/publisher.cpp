@@ -122,4 +122,8 @@ void Publisher::drain() const {
   impl_->publisher->drain();
 }
 
+bool Publisher::deliver() const {
+  return impl_->publisher->deliver();
+}
+
 }  // namespace spikeloop::topics

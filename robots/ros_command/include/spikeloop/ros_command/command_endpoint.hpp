@@ -68,6 +68,8 @@ class CommandEndpoint {
 
   /// Whether somebody hears us, and the guard. To be called from the loop's thread.
   bool has_subscribers() { return publisher_.has_subscribers() && may_begin(); }
+  /// As topics::RawPublisher::deliver.
+  bool deliver() const { return publisher_.deliver(); }
   /// Messages that have left, zeros included.
   std::uint64_t sent() const { return count_; }
   /// Topic of the measured positions that a stop holds; empty if there is none.

@@ -37,6 +37,8 @@ class Publisher {
   std::string misfit() const;
   /// As RawPublisher::drain.
   void drain() const;
+  /// As RawPublisher::deliver.
+  bool deliver() const;
 
  private:
   struct Impl;

@@ -34,6 +34,13 @@ class RawPublisher {
   virtual std::string misfit() const { return {}; }
   /// Returns when the system has what was published, and delivers it even when this process dies.
   virtual void drain() const = 0;
+  /// Asks the reliable subscribers whether they have received what was published, and waits for
+  /// their answer, 100 ms at most. Over ROS 1 they are not asked.
+  /// @return false if one has not answered
+  virtual bool deliver() const {
+    drain();
+    return true;
+  }
 };
 
 /// A topic in. None of its functions is called any more once it is destroyed.
