@@ -21,7 +21,7 @@ inline std::string plain_type(const std::string& ros2_type) {
 }
 
 /// "/left/base": the node of an endpoint.
-inline std::string node_of(const rclcpp::TopicEndpointInfo& endpoint) {
+inline std::string node_name_of(const rclcpp::TopicEndpointInfo& endpoint) {
   const std::string& space = endpoint.node_namespace();
   return (space == "/" ? space : space + "/") + endpoint.node_name();
 }

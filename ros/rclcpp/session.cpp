@@ -144,7 +144,7 @@ class Session final : public topics::Session {
     std::vector<topics::Partner> partners;
     for (const auto& subscriber : node_->get_subscriptions_info_by_topic(topic)) {
       partners.push_back(
-          {.node = node_of(subscriber), .type = plain_type(subscriber.topic_type())});
+          {.node = node_name_of(subscriber), .type = plain_type(subscriber.topic_type())});
     }
     return partners;
   }
@@ -191,7 +191,7 @@ class Session final : public topics::Session {
 }  // namespace
 }  // namespace spikeloop::ros
 
-extern "C" spikeloop::topics::Session* spikeloop_rclcpp_session_3(
+extern "C" spikeloop::topics::Session* spikeloop_rclcpp_session_4(
     const spikeloop::topics::SessionSettings& settings, spikeloop::session::FullType full_type) {
   const spikeloop::topics::BlockedSignals blocked;
   return spikeloop::ros::translated(

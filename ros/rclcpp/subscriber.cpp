@@ -93,7 +93,7 @@ void Subscriber::refuse(const std::string& topic, const std::string& type,
   if (subscription_.refuse && refused_.insert(type).second) {
     subscription_.refuse({.type = type,
                           .text = "topic '" + topic + "' carries " + type + ", not " + type_,
-                          .node = [node = node_of(publisher)] { return node; }});
+                          .node = [node = node_name_of(publisher)] { return node; }});
   }
 }
 

@@ -16,7 +16,7 @@ inline constexpr const char* kRclcpp = "rclcpp";
 inline constexpr const char* kRclcppLibrary = "libspikeloop_rclcpp.so";
 /// Its one function, a RclcppFactory. The number changes with whatever both sides see: this file,
 /// topics::Session, topics::SessionSettings.
-inline constexpr const char* kRclcppFactory = "spikeloop_rclcpp_session_3";
+inline constexpr const char* kRclcppFactory = "spikeloop_rclcpp_session_4";
 
 /// "geometry_msgs/Twist" of what a user wrote ("Twist", the path of a .msg file).
 /// @throws ConfigurationError for an unknown type.
