@@ -142,6 +142,35 @@ TEST_F(LinkTest, hello_beats_and_done) {
   EXPECT_THAT(said_, ElementsAre());
 }
 
+TEST_F(LinkTest, the_guard_receives_the_stop_command_when_it_changes) {
+  listen();
+  const std::vector<std::byte> held = {std::byte{4}, std::byte{2}};
+  std::atomic<bool> received{false};
+  std::thread adapter([&] {
+    Link link(example());
+    link.set_stop(example().stop);  // which the hello has
+    link.beat(wall_now());
+    link.set_stop(held);
+    const TimeNs end = wall_now() + 10 * kNsPerSecond;
+    while (!received && wall_now() < end) {
+      link.beat(wall_now());
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    link.done();
+  });
+  const Descriptor socket = welcome();
+  expect(socket, "beat");
+  Packet packet{"beat"};
+  while (type_of(packet) == "beat") {  // a beat that is not read yet delays the stop command
+    ASSERT_TRUE(wait_readable(socket.get(), 10 * kNsPerSecond));
+    packet = receive_packet(socket.get()).packet;
+  }
+  EXPECT_EQ(type_of(packet), "stop");
+  EXPECT_EQ(stop_message(packet), held);
+  received = true;
+  adapter.join();
+}
+
 TEST_F(LinkTest, is_told_when_the_guard_reaches_somebody) {
   listen();
   std::thread guard([this] {
