@@ -57,20 +57,20 @@ struct Publisher::Impl {
   }
 
   void write(std::span<const double> numbers, const std::array<double, 2>& stamp,
-             std::vector<messages::FieldValue>& values, std::vector<std::byte>& message) const {
-    values.clear();
+             std::vector<messages::FieldValue>& fields, std::vector<std::byte>& message) const {
+    fields.clear();
     if (one_array) {
-      values.push_back({numbers, {}});
+      fields.push_back({numbers, {}});
     } else {
       for (const double& number : numbers) {
-        values.push_back({std::span(&number, 1), {}});
+        fields.push_back({std::span(&number, 1), {}});
       }
     }
     if (stamped) {
-      values.push_back({std::span(stamp).first(1), {}});
-      values.push_back({std::span(stamp).last(1), {}});
+      fields.push_back({std::span(stamp).first(1), {}});
+      fields.push_back({std::span(stamp).last(1), {}});
     }
-    writer.write(values, message);
+    writer.write(fields, message);
   }
 
   bool stamped;
