@@ -213,6 +213,22 @@ TEST_P(ScanReadings, channel_0_is_the_rightmost_beam) {
       wanted);
 }
 
+TEST_P(ScanReadings, paths_keep_the_order_of_the_message_with_a_warning) {
+  SensorConversion c(catalog(), "sensor_msgs/LaserScan", plain_fields({"ranges[0:2]", "range_max"}),
+                     3, true);
+  EXPECT_TRUE(c.convert(message({.ranges = {3, 2, 1}, .increment = 1})));
+  EXPECT_EQ(c.take_warning(), "");
+  for (const char* warning :
+       {"angle_increment of a sensor_msgs/LaserScan is -1: 'fields' reads its "
+        "beams from left to right, as they are in the message; leave out "
+        "'fields' to read them from right to left",
+        ""}) {
+    EXPECT_TRUE(c.convert(message({.ranges = {3, 2, 1}, .increment = -1})));
+    EXPECT_THAT(c.channels(), ElementsAre(3, 2, 10));
+    EXPECT_EQ(c.take_warning(), warning);
+  }
+}
+
 TEST_P(ScanReadings, a_circle_has_no_seam) {
   // 0 to 360 degrees, as a TurtleBot3 has it: the front is at both ends.
   Scan scan{.ranges = std::vector<double>(360, 8), .angle_min = 0, .increment = kDegree};

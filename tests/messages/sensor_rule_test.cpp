@@ -178,7 +178,7 @@ TEST_P(SensorRules, fields_that_are_always_nan_are_named) {
     return made;
   };
   const std::string always =
-      "the first 20 messages had no number in 'velocity[name=j3]', so channel 1 has no value; "
+      "the first 20 messages had no valid value in 'velocity[name=j3]', so channel 1 has no value; "
       "select another field, or replace NaN, as in nan: 0";
   for (const NotANumber policy : {NotANumber::pass, NotANumber::hold, NotANumber::skip}) {
     auto c = conversion("sensor_msgs/JointState",
@@ -195,7 +195,7 @@ TEST_P(SensorRules, fields_that_are_always_nan_are_named) {
         warnings.at(0),
         policy != NotANumber::skip
             ? always
-            : "the first 20 messages had no number in 'velocity[name=j3]', so 2 channels have "
+            : "the first 20 messages had no valid value in 'velocity[name=j3]', so 2 channels have "
               "no value; select another field, or replace NaN, as in nan: 0");
     EXPECT_EQ(c.unread(), "");
     auto later = conversion("sensor_msgs/JointState",
@@ -211,7 +211,7 @@ TEST_P(SensorRules, fields_that_are_always_nan_are_named) {
   EXPECT_TRUE(few.passes_nan());
   EXPECT_EQ(few.take_warning(), "");
   EXPECT_EQ(few.unread(),
-            "the first message had no number in 'velocity[name=j3]', so channel 0 has no value; "
+            "the first message had no valid value in 'velocity[name=j3]', so channel 0 has no value; "
             "select another field, or replace NaN, as in nan: 0");
   EXPECT_TRUE(few.convert(joints(1)));
   EXPECT_EQ(few.unread(), "");

@@ -23,6 +23,14 @@ bool has_names(const FieldPath& path) {
          step.last == PathStep::kEnd;
 }
 
+/// True for beams of a sensor_msgs/LaserScan or MultiEchoLaserScan.
+bool takes_beams(const FieldPath& path) {
+  const std::string& name = path.field(0).name;
+  return (name == "ranges" || name == "intensities") &&
+         std::ranges::find(path.type->fields, "angle_increment", &FieldLayout::name) !=
+             path.type->fields.end();
+}
+
 template <typename Names>
 std::string list_of(const Names& names) {
   const auto shown = std::min(names.size(), kShownNames);
@@ -100,6 +108,9 @@ FieldReading::FieldReading(const Catalog& catalog, const std::string& type,
     if (by_name && !order_) {
       order_.emplace(catalog, type, width);
     }
+    if (takes_beams(reader.path())) {
+      angle_increment_.emplace(catalog, type, "angle_increment");
+    }
     entries_.push_back({field, std::move(reader), count, by_name});
   }
   share_channels(width);
@@ -139,11 +150,23 @@ bool FieldReading::read(std::span<const std::byte> message, ReadValues& values) 
   if (order_) {
     warn(order_->read(message));
   }
+  check_order(message);
   for (Entry& entry : entries_) {
     read_entry(entry, message);
   }
   fit_channels();
   return std::ranges::all_of(entries_, [&](const Entry& entry) { return append(entry, values); });
+}
+
+void FieldReading::check_order(std::span<const std::byte> message) {
+  std::vector<double> increment;
+  if (angle_increment_ && angle_increment_->read(message, increment) == 1 && increment[0] < 0) {
+    warn(fmt::format(
+        "angle_increment of a {} is {:g}: 'fields' reads its beams from left to right, "
+        "as they are in the message; leave out 'fields' to read them from right to left",
+        type_, increment[0]));
+    angle_increment_.reset();
+  }
 }
 
 void FieldReading::read_entry(Entry& entry, std::span<const std::byte> message) {

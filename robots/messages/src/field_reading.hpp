@@ -65,6 +65,8 @@ class FieldReading : public Reading {
   };
 
   bool read(std::span<const std::byte> message, ReadValues& values) override;
+  /// Warns about beams that the message has from left to right.
+  void check_order(std::span<const std::byte> message);
   void read_entry(Entry& entry, std::span<const std::byte> message);
   void order_by_name(Entry& entry) const;
   void share_channels(std::uint32_t width);
@@ -77,8 +79,9 @@ class FieldReading : public Reading {
   Dialect dialect_;
   std::vector<Entry> entries_;
   std::optional<NameOrder> order_;
-  bool share_channels_ = false;  ///< several fields, one of them of any length
-  std::size_t shared_ = 0;       ///< number of channels of the fields of any length
+  std::optional<FieldReader> angle_increment_;  ///< of beams; nullopt after the warning
+  bool share_channels_ = false;                 ///< several fields, one of them of any length
+  std::size_t shared_ = 0;                      ///< number of channels of the fields of any length
 };
 
 }  // namespace spikeloop::messages

@@ -134,7 +134,7 @@ std::string SensorConversion::describe_unread() const {
   return fmt::format(
              "the first {} had no {}'{}', so {}",
              counts_.messages == 1 ? "message" : fmt::format("{} messages", counts_.messages),
-             missing ? "" : "number in ", reading_->name_of(first),
+             missing ? "" : "valid value in ", reading_->name_of(first),
              count == 1 ? fmt::format("channel {} has no value", first)
              : whole_
                  ? fmt::format("{} channels have no value, the first is channel {}", count, first)
