@@ -90,6 +90,9 @@ def mcap_files(scratch):
             same_as_plain(scratch, writer.mcap(scratch / "x.mcap", scans(), compression=compression, pack=pack))
             print("mcap:", compression, name)
     same_as_plain(scratch, writer.mcap(scratch / "x.mcap", scans()))
+    writer.mcap(scratch / "x.mcap", scans(), compression="br", pack=lambda data: data)
+    runs.refused("has chunks that are compressed by 'br', and only lz4 and zstd are supported; write  mcap compress ",
+                 "check", bags.experiment(scratch / "x.yaml", "x.mcap"), code=4)
     # Without DataEnd; without footer and DataEnd.
     same_as_plain(scratch, writer.mcap(scratch / "x.mcap", scans(), end=writer.record(2, bytes(20)) + writer.MAGIC))
     same_as_plain(scratch, writer.mcap(scratch / "x.mcap", scans(), end=b""), "was not ended")

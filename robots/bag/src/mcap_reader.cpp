@@ -103,6 +103,8 @@ class McapFile : public Source {
     bool is_whole = false;
     try {
       is_whole = read(bytes);
+    } catch (const FileError&) {
+      throw;
     } catch (const std::runtime_error& error) {
       if (is_closed) {
         damaged(name, error.what());
@@ -155,6 +157,7 @@ class McapFile : public Source {
     if (chunk.size > kLargestChunk || (chunk.is_plain() && chunk.size != chunk.stored.size())) {
       throw std::runtime_error(fmt::format("a chunk says that it has {} bytes", chunk.size));
     }
+    require_known(chunk.compression);
     Buffer unpacked;
     if (!chunk.is_plain()) {
       unpacked = unpack_chunk(chunk.compression, chunk.stored, chunk.size);
@@ -177,6 +180,19 @@ class McapFile : public Source {
         read_definition(*record);
       }
     }
+  }
+
+  void require_known(std::string_view compression) const {
+    for (const char* const known : {"", "none", "lz4", "zstd"}) {
+      if (compression == known) {
+        return;
+      }
+    }
+    throw FileError(
+        with_code(Code::no_access,
+                  "'{0}' has chunks that are compressed by '{1}', and only lz4 and zstd "
+                  "are supported; write  mcap compress {0} -o NEW.mcap",
+                  path_, compression));
   }
 
   void read_message(std::string_view content, std::size_t position) {

@@ -256,7 +256,7 @@ class Recording {
   }
 
   std::vector<std::unique_ptr<Source>> parts_;
-  std::vector<Connection> connections_;              ///< that have messages
+  std::vector<Connection> connections_;
   std::vector<std::vector<std::uint32_t>> indexes_;  ///< of the connections of every part
   std::size_t before_part_ = 0;
   std::vector<std::vector<PartPlace>> places_;  ///< of every connection, by time

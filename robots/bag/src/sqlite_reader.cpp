@@ -45,8 +45,8 @@ namespace {
 class Database {
  public:
   Database(const std::string& path, std::string name) : name_(std::move(name)) {
-    // Without this, SQLite writes to the folder of the file. Not if a recorder was killed: then
-    // messages are in a second file, which SQLite merges.
+    // `immutable` keeps SQLite from writing to the folder of the file. A recorder that was killed
+    // leaves messages in a second file; SQLite merges it, and then has to write.
     std::error_code none;
     const auto log_size = std::filesystem::file_size(path + "-wal", none);
     const bool merges = !none && log_size > 0;

@@ -121,8 +121,6 @@ Buffer unpack_chunk(std::string_view compression, std::string_view stored, std::
     if (ZSTD_decompress(bytes.data(), bytes.size(), stored.data(), stored.size()) != size) {
       throw std::runtime_error(kDamaged);
     }
-  } else if (compression != "lz4") {
-    throw std::runtime_error(fmt::format("a chunk is compressed by '{}'", compression));
   } else if (is_lz4_frame(stored)) {
     unpack_lz4_frames(stored, bytes);
   } else {

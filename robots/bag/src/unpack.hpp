@@ -24,9 +24,9 @@ class Buffer {
   std::size_t size_ = 0;
 };
 
-/// Unpacks a chunk of an MCAP file. It may consist of several frames, and frames need not state
-/// their size. "lz4" may also be a block without a frame.
-/// @throws std::runtime_error: unknown compression, damaged, or not `size` bytes
+/// Unpacks a chunk of an MCAP file by "zstd" or "lz4". It may consist of several frames, and frames
+/// need not state their size. "lz4" may also be a block without a frame.
+/// @throws std::runtime_error: damaged, or not `size` bytes
 Buffer unpack_chunk(std::string_view compression, std::string_view stored, std::uint64_t size);
 
 bool is_zstd(std::string_view bytes);
@@ -40,7 +40,7 @@ class UnpackedFile {
  public:
   /// A file that ends too early is unpacked as far as possible. @throws FileError
   explicit UnpackedFile(const std::string& packed);
-  /// Removes the name of the file. Whoever has opened it can read on.
+  /// Removes the name of the file. A source that has opened the file can still read it.
   ~UnpackedFile();
   UnpackedFile(const UnpackedFile&) = delete;
   UnpackedFile& operator=(const UnpackedFile&) = delete;
