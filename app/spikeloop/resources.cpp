@@ -179,7 +179,7 @@ Resource participants(const RunNeeds& needs) {
 void warn_of_participants(std::size_t needed) {
   const Resource resource = participants({.participants = needed});
   if (!resource.enough) {
-    log::warning("{}; {}", resource.text, resource.remedy);
+    put(stderr, fmt::format("spikeloop: warning: {}; {}\n", resource.text, resource.remedy));
   }
 }
 

@@ -35,7 +35,7 @@ Resource open_files(const RunNeeds& needs);
 Resource address_space(const RunNeeds& needs);
 Resource participants(const RunNeeds& needs);
 
-/// Warns if the domain has no room now: an experiment may be checked on another machine, or
+/// Prints a warning if the domain has no room now: an experiment may be checked on another machine,
 /// earlier.
 void warn_of_participants(std::size_t needed);
 
