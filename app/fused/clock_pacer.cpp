@@ -141,16 +141,20 @@ class ClockPacer : public Pacer {
   void refuse_silence(TimeNs waited) const {
     const TimeNs patience = waiting_.start_patience();
     if (newest_ == kNone && waited > patience) {
-      throw TransportError(
-          with_code(Code::partner_missing, "sync: sim_time: {} has brought no time within {}: {}",
-                    kTopic, format_time(patience),
-                    subscriber_->has_publishers()
-                        ? fmt::format("it has a publisher, whose simulator is paused; let it go "
-                                      "on, or write a longer "
-                                      "--start-timeout")
-                        : fmt::format("it has no publisher; start the simulator with use_sim_time, "
-                                      "or write  sync: realtime")));
+      throw TransportError(with_code(Code::partner_missing,
+                                     "sync: sim_time: {} has brought no time within {}: {}", kTopic,
+                                     format_time(patience), reason_for_silence()));
     }
+  }
+
+  const char* reason_for_silence() const {
+    if (session_.has_warned_of_unreachable_node(kTopic)) {
+      return "its publisher cannot be connected";
+    }
+    return subscriber_->has_publishers()
+               ? "it has a publisher, whose simulator is paused; let it go on, or write a longer "
+                 "--start-timeout"
+               : "it has no publisher; start the simulator, or write  sync: realtime";
   }
 
   void meanwhile(TimeNs waited) {

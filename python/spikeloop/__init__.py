@@ -13,7 +13,8 @@ disk.
 it sees; `spikeloop.testing` runs one without the C++ programs.
 
 `load` reads an experiment, which can be changed and run (`spikeloop.experiment`); `open_run` reads a run
-(`spikeloop.run_folder`), `read_messages` the messages of any recording; `gymnasium_env` makes an experiment an environment for agents
+(`spikeloop.run_folder`), `read_messages` the messages of any recording (`spikeloop.messages`); `gymnasium_env` makes
+an experiment an environment for agents
 (`spikeloop.environment`). `spikeloop.plots`, which draws it, is imported by name, because matplotlib is slow.
 
 `music` makes a script a MUSIC program (`spikeloop.music_host`); `spikeloop.neuron`,

@@ -56,7 +56,8 @@ def run(file, expected, absent=(), **variables):
 
 def other_nodes(file, master):
     """Publishers and subscribers with every kind of wrong address."""
-    wrong = {"name": "http://no-such-host.invalid:45123/", "port": f"http://127.0.0.1:{unused_port()}/"}
+    wrong = {"name": "http://no-such-host.invalid:45123/", "port": f"http://127.0.0.1:{unused_port()}/",
+             "ipv6": "http://::1:45123/"}
     for name, uri in wrong.items():
         master.registerPublisher(f"/driver_{name}", "/odom", "nav_msgs/Odometry", uri)
         master.registerSubscriber(f"/base_{name}", "/cmd_vel", "geometry_msgs/Twist", uri)
@@ -65,6 +66,7 @@ def other_nodes(file, master):
         master.registerPublisher("/driver_data", "/odom", "nav_msgs/Odometry", uri)
         run(file, (f"topic '/odom': no connection with its publisher /driver_name: {UNRESOLVED}",
                    f"topic '/cmd_vel': no connection with its subscriber /base_name: {UNRESOLVED}",
+                   "its publisher /driver_ipv6: the host name '::1' has IPv6 addresses only; set ROS_IPV6=on",
                    f"its publisher /driver_port: no node answers at {wrong['port'][7:-1]} (Connection refused) ... "
                    "'rosnode cleanup' ... ROS_IP",
                    f"its publisher /driver_data: no node answers at 127.0.0.1:{port} (Connection refused)"),
@@ -82,6 +84,7 @@ def clock(file, master):
     by_clock.write_text(f"sync: sim_time\n{EXPERIMENT}")
     said = runs.spikeloop("run", by_clock, "--out", file.parent / "clock", "--start-timeout", "4", code=3)[1]
     runs.assert_says(said, f"topic '/clock': no connection with its publisher /gazebo: {UNRESOLVED}")
+    runs.assert_says(said, "/clock has brought no time within 4 s: its publisher cannot be connected [SL0702]")
     master.unregisterPublisher("/gazebo", "/clock", uri)
 
 

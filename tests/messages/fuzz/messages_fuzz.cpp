@@ -13,6 +13,7 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/catalog.hpp"
+#include "spikeloop/messages/columns.hpp"
 #include "spikeloop/messages/event_conversion.hpp"
 #include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/messages/field_view.hpp"
@@ -123,6 +124,26 @@ void check_fields(const Catalog& catalog, const Subject& subject, Bytes message)
   }
 }
 
+/// All fields at once: every value is from the bytes.
+void check_columns(const Catalog& catalog, const Subject& subject, Bytes message) {
+  ColumnReader reader(catalog, subject.type);
+  bool good = true;
+  try {
+    reader.read(message);
+  } catch (const TransportError&) {
+    good = false;
+  }
+  std::size_t bytes = 0;
+  for (const Column& column : reader.take_columns()) {
+    bytes += column.numbers.size();
+    for (const std::string& text : column.texts) {
+      bytes += text.size() + 4;
+    }
+    need(!good || column.counts.size() != 1 || column.counts.front().size() == 1);
+  }
+  need(bytes <= message.size());
+}
+
 void check_conversions(const Catalog& catalog, const Subject& subject, Bytes message) {
   const std::string_view type = subject.type;
   if (type == "sensor_msgs/LaserScan" || type == "nav_msgs/Odometry" ||
@@ -157,6 +178,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const Bytes message = std::as_bytes(std::span(exact));
   const Catalog& catalog = Catalog::builtin(dialect);
   check_fields(catalog, subject, message);
+  check_columns(catalog, subject, message);
   check_conversions(catalog, subject, message);
   return 0;
 }
