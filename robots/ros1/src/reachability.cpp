@@ -26,11 +26,13 @@
 namespace spikeloop::ros1 {
 namespace {
 
-constexpr TimeNs kFirstLooks = 5 * kNsPerSecond;  // of a topic: some of its nodes may be connected
+/// Also topics with a connection are compared for this time after their first look.
+constexpr TimeNs kFirstLooks = 5 * kNsPerSecond;
 constexpr TimeNs kPeriod = kNsPerSecond / 2;
 constexpr TimeNs kLaterPeriod = 2 * kNsPerSecond;
-constexpr TimeNs kConnecting = kNsPerSecond;    // a connection may take so long
-constexpr TimeNs kPatience = 2 * kNsPerSecond;  // for one answer
+/// A connection that is missing for less time may be under way.
+constexpr TimeNs kConnecting = kNsPerSecond;
+constexpr TimeNs kPatience = 2 * kNsPerSecond;  // time limit of one question
 
 std::string describe(const Fault& fault, const Address& address) {
   switch (fault.kind) {
@@ -50,7 +52,7 @@ std::string describe(const Fault& fault, const Address& address) {
   }
 }
 
-/// How this node came to its host name.
+/// Variable that determines the host name of this node.
 std::string own_setting() {
   for (const char* name : {"ROS_HOSTNAME", "ROS_IP"}) {
     if (const char* const value = std::getenv(name); value != nullptr && *value != '\0') {
@@ -67,7 +69,7 @@ struct ReachabilityWatch::Impl {
 
   Limit limit() const { return {wall_now() + kPatience, &ending, ros::TransportTCP::s_use_ipv6_}; }
 
-  /// @return false at the end
+  /// @return false if the watch ends
   bool wait(TimeNs time) {
     std::unique_lock lock(mutex);
     changed.wait_for(lock, std::chrono::nanoseconds(time), [&] { return ending.load(); });
