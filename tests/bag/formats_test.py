@@ -208,6 +208,13 @@ def ros1_bags(scratch):
         runs.run(bags.experiment(scratch / "x.yaml", folder), scratch / "run")
         _, rows = runs.recordings.signal(scratch / "run", "scan")
         np.testing.assert_allclose(rows, expected, atol=1e-6)
+    # Also packed, and cut off while it was packed.
+    whole = (folder / "drive_2024-01-01-10-59-00_0.bag").read_bytes()
+    (scratch / "packed.bag.zstd").write_bytes(zstandard.compress(whole))
+    runs.run(bags.experiment(scratch / "x.yaml", "packed.bag.zstd"), scratch / "run")
+    np.testing.assert_allclose(runs.recordings.signal(scratch / "run", "scan")[1], expected[:10], atol=1e-6)
+    (scratch / "packed.bag.zstd").write_bytes(zstandard.compress(whole)[:-100])
+    runs.refused("packed.bag.zstd' is damaged: it is cut off", "check", scratch / "x.yaml", code=4)
     (folder / "drive_2024-01-01-12-00-00_2.bag.active").write_bytes(b"")
     _, printed = runs.run(bags.experiment(scratch / "x.yaml", folder), scratch / "run")
     runs.assert_says(printed, "_2.bag.active' was not ended and is left out; write  rosbag reindex")

@@ -64,7 +64,7 @@ std::string first_bytes(const std::string& path) {
 std::unique_ptr<Source> open_source(const std::string& path, const std::string& name) {
   const std::string first = first_bytes(path);
   if (first.starts_with(kRos1Magic)) {
-    return open_ros1_bag(path);
+    return open_ros1_bag(path, name);
   }
   if (first.starts_with(mcap::kMagic)) {
     return open_mcap(path, name);

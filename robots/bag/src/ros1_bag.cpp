@@ -84,9 +84,9 @@ class Ros1Bytes : public Bytes {
 
 class Ros1Bag : public Source {
  public:
-  explicit Ros1Bag(const std::string& path) : Source(path) {
-    opened_->path = path;
-    reading(path, [&] { open(path); });
+  Ros1Bag(const std::string& path, const std::string& name) : Source(name) {
+    opened_->path = name;
+    reading(name, [&] { open(path); });
   }
 
   std::unique_ptr<Bytes> bytes() const override { return std::make_unique<Ros1Bytes>(opened_); }
@@ -153,8 +153,8 @@ class Ros1Bag : public Source {
 
 }  // namespace
 
-std::unique_ptr<Source> open_ros1_bag(const std::string& path) {
-  return std::make_unique<Ros1Bag>(path);
+std::unique_ptr<Source> open_ros1_bag(const std::string& path, const std::string& name) {
+  return std::make_unique<Ros1Bag>(path, name);
 }
 
 }  // namespace spikeloop::bag

@@ -55,9 +55,9 @@ class Source {
   std::vector<std::string> warnings_;
 };
 
+/// @param name path for error messages: the file itself may be an unpacked copy
 /// @throws FileError as Reader.
-std::unique_ptr<Source> open_ros1_bag(const std::string& path);
-/// @param name path for messages: the file itself may be an unpacked copy
+std::unique_ptr<Source> open_ros1_bag(const std::string& path, const std::string& name);
 std::unique_ptr<Source> open_mcap(const std::string& path, const std::string& name);
 std::unique_ptr<Source> open_sqlite(const std::string& path, const std::string& name);
 

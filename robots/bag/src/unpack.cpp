@@ -100,6 +100,7 @@ void unpack_zstd(std::string_view stored, int file) {
                          ZSTD_dParam_getBounds(ZSTD_d_windowLogMax).upperBound);
   std::vector<char> part(ZSTD_DStreamOutSize());
   ZSTD_inBuffer in{stored.data(), stored.size(), 0};
+  std::size_t total = 0;
   bool full = false;
   while (in.pos < in.size || full) {
     ZSTD_outBuffer out{part.data(), part.size(), 0};
@@ -108,7 +109,11 @@ void unpack_zstd(std::string_view stored, int file) {
       throw std::runtime_error(ZSTD_getErrorName(left));
     }
     write_all(file, part.data(), out.pos);
+    total += out.pos;
     full = out.pos == part.size();
+  }
+  if (total == 0) {
+    throw std::runtime_error("it is cut off");
   }
 }
 
