@@ -48,7 +48,8 @@ def unusable_definitions(scratch):
            "before Header": SCAN[:SCAN.index("====")]}
     cases = [(text, "ros2msg", "it is cut off") for text in cut.values()] + [
         (IDL, "ros2idl", "it is in the format 'ros2idl'"), ("", "ros2msg", "it is empty"),
-        ("\r\n", "", "it is empty"), ("", "", "it is empty"), ("Definition of sensor_msgs/LaserScan", "ros2msg", "its line 1 cannot be read"),
+        ("\r\n", "", "it is empty"), ("", "", "it is empty"),
+        ("Definition of sensor_msgs/LaserScan", "ros2msg", "its line 1 cannot be read"),
         ("{\"title\": \"LaserScan\"}", "jsonschema", "it is in the format 'jsonschema'")]
     for text, encoding, reason in cases:
         recording = writer.mcap(scratch / "x.mcap", scans(), schema=text, encoding=encoding)
@@ -73,7 +74,8 @@ def custom_type(scratch):
     (scratch / "my_robot/msg").mkdir(parents=True)
     (scratch / "my_robot/msg/Sonar.msg").write_text("float64[] distances\n")
     sonar = writer.Cdr().array("d", [0.5] * 12).bytes()
-    recording = writer.mcap(scratch / "x.mcap", [(BEGIN, sonar)], "/scan", "my_robot/Sonar", schema=IDL, encoding="ros2idl")
+    recording = writer.mcap(scratch / "x.mcap", [(BEGIN, sonar)], "/scan", "my_robot/Sonar", schema=IDL,
+                            encoding="ros2idl")
     file = bags.experiment(scratch / "x.yaml", recording)
     text = file.read_text()
     file.write_text(text.replace("sensor_msgs/LaserScan", "my_robot/msg/Sonar.msg, fields: [distances]"))
@@ -93,8 +95,8 @@ def other_versions(scratch):
                                         schema=humble),
                   "newer": writer.mcap(scratch / "newer.mcap", [(BEGIN, long)] * 3, "/range", "sensor_msgs/Range",
                                        schema=newer),
-                  "no definition": writer.db3(scratch / "humble.db3", [(BEGIN, short)] * 3, "/range", "sensor_msgs/Range",
-                                              distribution="foxy"),
+                  "no definition": writer.db3(scratch / "humble.db3", [(BEGIN, short)] * 3, "/range",
+                                              "sensor_msgs/Range", distribution="foxy"),
                   "IDL": writer.mcap(scratch / "idl.mcap", [(BEGIN, short)] * 3, "/range", "sensor_msgs/Range",
                                      schema=IDL, encoding="ros2idl")}
     file = scratch / "x.yaml"
@@ -112,10 +114,12 @@ def other_versions(scratch):
                          "file of that version", "check", file)
     other = whole.replace("float32 range\n", "float64 range\n")
     for text, reason in ((other, "its field 'range' has another type"),
-                         (whole.replace("min_range", "least_range"), "its field 4 is 'least_range', ours is 'min_range'")):
+                         (whole.replace("min_range", "least_range"),
+                          "its field 4 is 'least_range', ours is 'min_range'")):
         writer.mcap(scratch / "other.mcap", [(BEGIN, long)], "/range", "sensor_msgs/Range", schema=text)
         file.write_text(RANGE.format(scratch / "other.mcap", "range"))
-        runs.refused(f"another version of sensor_msgs/Range: {reason}; give the .msg file of that version", "check", file)
+        runs.refused(f"another version of sensor_msgs/Range: {reason}; give the .msg file of that version", "check",
+                     file)
 
 
 def clocks_that_jump(scratch):
@@ -129,7 +133,8 @@ def clocks_that_jump(scratch):
              # --use-sim-time
              ([0, now, now + 1], [1, 1001], "1 message is at time 0, before the first /clock, and the next time is "
                                             "1700000000 s; they are used at the beginning"),
-             ([0, 0, 100, 101], [1, 1001], "2 messages are at time 0, before the first /clock, and the next time is 100 s")]
+             ([0, 0, 100, 101], [1, 1001], "2 messages are at time 0, before the first /clock, and the next time is "
+                                            "100 s")]
     for times, ticks, warning in cases:
         recording = writer.mcap(scratch / "x.mcap", [(int(t * SECOND), writer.scan()) for t in times])
         _, found, printed = values_of(scratch, recording)
@@ -158,7 +163,8 @@ def ros1_clock(scratch):
     ticks, rows = runs.recordings.signal(scratch / "run", "scan")
     assert list(ticks // 1_000_000) == [1, 51, 101, 151, 201], ticks  # two messages share a tick
     np.testing.assert_allclose(rows, [bags.signal_of(arena[i]) for i in (0, 1, 3, 4, 5)], atol=1e-6)
-    runs.assert_says(bags.spikeloop("check", scratch / "x.yaml"), "its clock jumps from 5.1 s to 50 ms after 3 messages;")
+    runs.assert_says(bags.spikeloop("check", scratch / "x.yaml"),
+                     "its clock jumps from 5.1 s to 50 ms after 3 messages;")
 
 
 def checks(scratch):

@@ -138,7 +138,8 @@ def sqlite_files(scratch):
     other.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY)")
     other.close()
     (scratch / "cut.db3").write_bytes((scratch / "foxy.db3").read_bytes()[:5000])
-    for name, text in (("other", "no recording of ROS 2: it has no tables 'topics' and 'messages'"), ("cut", "is damaged")):
+    for name, text in (("other", "no recording of ROS 2: it has no tables 'topics' and 'messages'"),
+                       ("cut", "is damaged")):
         runs.refused(text, "check", bags.experiment(scratch / "x.yaml", f"{name}.db3"), code=4)
 
 
@@ -176,7 +177,8 @@ def odd_folders(scratch):
     files = sorted(path.name for path in folder.glob("*.mcap"))
     writer.metadata(folder, [*files, "mcap_12.mcap"])
     file = bags.experiment(scratch / "x.yaml", folder)
-    runs.refused("metadata.yaml' lists the part mcap_12.mcap, which is missing; copy it to the folder", "check", file, code=4)
+    runs.refused("metadata.yaml' lists the part mcap_12.mcap, which is missing; copy it to the folder", "check",
+                 file, code=4)
     writer.metadata(folder, files, "MESSAGE", "lz4")
     runs.refused("the messages are compressed by 'lz4', and only zstd is supported", "check", file, code=4)
     (folder / "metadata.yaml").write_text("rosbag2_bagfile_information: {relative_file_paths: [")
