@@ -136,7 +136,7 @@ TEST(CompressedDepth, millimetres) {
                 conversion.convert_compressed(joined(header(), png_of(3, depths)),
                                               "16UC1; compressedDepth png");
               }),
-              Fault("C: images ... 16UC1 ... range: [300, 5000] [SL0504]"));
+              Fault("C: images ... 16UC1 ... range: [300, 5000]} [SL0504]"));
 }
 
 TEST(CompressedDepth, metres_from_quantised_inverse_depth) {

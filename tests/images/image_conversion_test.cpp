@@ -224,9 +224,9 @@ TEST(ImageConversion, depths_without_a_reading_are_left_out) {
       ElementsAre(-0.5, IsNan()));
   EXPECT_EQ(error_of([&] { converted({}, metres.view()); }),
             "C: images with the encoding 32FC1 have no range of their own; write the values that "
-            "become -1 and 1, as in  range: [0.3, 5] [SL0504]");
+            "become -1 and 1, as in  image: {range: [0.3, 5]} [SL0504]");
   EXPECT_THAT(error_of([&] { converted({}, millimetres.view()); }),
-              Fault("C: images ... 16UC1 ... -1 and 1, as in  range: [300, 5000] ... [SL0504]"));
+              Fault("C: images ... 16UC1 ... -1 and 1, as in  image: {range: [300, 5000]} ... [SL0504]"));
 }
 
 TEST(ImageConversion, rows_may_have_gaps) {

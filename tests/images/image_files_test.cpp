@@ -130,7 +130,7 @@ TEST(ImageFiles, png_of_sixteen_bits) {
     SCOPED_TRACE(format);
     expect_same(grey, raw, 1e-9, format, range);
     EXPECT_THAT(error_of([&] { converted_file({}, grey, format); }),
-                Fault("C: images ... 16UC1 ... range: [300, 5000] [SL0504]"));
+                Fault("C: images ... 16UC1 ... range: [300, 5000]} [SL0504]"));
   }
   raw.encoding = "mono16";
   expect_same(grey, raw, 1e-9, "mono16; png compressed ");

@@ -304,6 +304,10 @@ TEST_P(ScanReadings, resampling_is_for_scans) {
               }),
               Fault("'beams', 'angles' and 'range' are for sensor_msgs/LaserScan, not for "
                     "nav_msgs/Odometry; leave them out ... [SL0504]"));
+  EXPECT_THAT(error_of([&] {
+                SensorConversion(catalog(), "sensor_msgs/Image", {.scan = ScanRule{}}, 3, true);
+              }),
+              Fault("... write the range of an image as  image: {range: [300, 5000]} [SL0504]"));
 }
 
 }  // namespace

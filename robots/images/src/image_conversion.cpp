@@ -40,7 +40,7 @@ struct ImageConversion::Impl {
       throw ConfigurationError(
           with_code(Code::field_path,
                     "images with the encoding {} have no range of their own; write the values that "
-                    "become -1 and 1, as in  range: {}",
+                    "become -1 and 1, as in  image: {{range: {}}}",
                     encoding.name, example_range(encoding)));
     }
     return {0, encoding.greatest()};

@@ -87,11 +87,11 @@ std::unique_ptr<Reading> make_reading(const Catalog& catalog, const std::string&
                   kImage, kCompressedImage, type));
   }
   if (rule.scan && type != kLaserScan) {
-    throw ConfigurationError(with_code(
-        Code::field_path,
-        "'beams', 'angles' and 'range' are for {}, not for {}; leave them out, and write in "
-        "'fields' the fields to take",
-        kLaserScan, type));
+    throw ConfigurationError(
+        with_code(Code::field_path, "'beams', 'angles' and 'range' are for {}, not for {}; {}",
+                  kLaserScan, type,
+                  picture ? "write the range of an image as  image: {range: [300, 5000]}"
+                          : "leave them out, and write in 'fields' the fields to take"));
   }
   if (!rule.fields.empty()) {
     return std::make_unique<FieldReading>(catalog, type, rule.fields, width);
