@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostTurns = 2;  // of a scan; an angle_increment in degrees makes more
+constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kRadian = std::numbers::pi / 180;
 
 /// Largest range_max of a sensor, in m. Drivers without a limit send inf, 3.4e38 or 0.
@@ -171,7 +172,7 @@ ScanReading::Angles ScanReading::angles_of_beams(std::span<const std::byte> mess
   if (!std::isfinite(increment) || increment == 0) {
     increment = (number(angle_max_, message) - begin) / gaps;
   }
-  const double turns = std::abs(increment) * std::max(gaps, 1.0) / (2 * std::numbers::pi);
+  const double turns = std::abs(increment) * std::max(gaps, 1.0) / kTurn;
   if (!std::isfinite(begin) || !(turns > 0 && turns <= kMostTurns)) {
     throw TransportError(with_code(
         Code::damaged_message,
@@ -179,7 +180,8 @@ ScanReading::Angles ScanReading::angles_of_beams(std::span<const std::byte> mess
         "resample from the first to the last beam",
         begin, number(angle_increment_, message), beams_.size()));
   }
-  return {increment < 0 ? begin + gaps * increment : begin, std::abs(increment)};
+  const double rightmost = increment < 0 ? begin + gaps * increment : begin;
+  return {std::remainder(rightmost, kTurn), std::abs(increment)};
 }
 
 void ScanReading::resample(std::span<const std::byte> message, ReadValues& values) {
@@ -191,7 +193,7 @@ void ScanReading::resample(std::span<const std::byte> message, ReadValues& value
     const Angles angles = angles_of_beams(message);
     first = (rule_.angles->first - angles.first) / angles.increment;
     last = (rule_.angles->second - angles.first) / angles.increment;
-    turn = 2 * std::numbers::pi / angles.increment;
+    turn = kTurn / angles.increment;
   }
   const double spacing = rule_.beams == 1 ? last - first : (last - first) / (rule_.beams - 1);
   for (std::uint32_t i = 0; i < rule_.beams; ++i) {

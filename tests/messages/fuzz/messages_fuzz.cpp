@@ -152,6 +152,16 @@ void check_conversions(const Catalog& catalog, const Subject& subject, Bytes mes
     conversion.convert(message);
     need(conversion.channels().size() == 3);
   }
+  if (type == "sensor_msgs/LaserScan") {
+    SensorConversion resampled(
+        catalog, type, {.scan = ScanRule{.beams = 9, .angles = std::pair(-1.0, 5.0)}}, 9, false);
+    resampled.convert(message);
+  }
+  if (type == "sensor_msgs/JointState") {
+    SensorConversion joints(catalog, type, plain_fields({"position", "velocity"}), 7, false);
+    joints.convert(message);
+    joints.convert(message);
+  }
   if (type == "dvs_msgs/EventArray") {
     EventConversion conversion({.width = 8}, catalog.dialect());
     EventMessage events;
