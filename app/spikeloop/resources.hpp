@@ -35,7 +35,7 @@ Resource open_files(const RunNeeds& needs);
 Resource address_space(const RunNeeds& needs);
 Resource participants(const RunNeeds& needs);
 
-/// Prints a warning if the domain has no room now: an experiment may be checked on another machine,
+/// Prints a warning if the domain has no room now: an experiment may be checked on another machine, or
 /// earlier.
 void warn_of_participants(std::size_t needed);
 

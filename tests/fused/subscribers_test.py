@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Commands that no subscriber takes: of another type, or with another quality of service. One warning names the
-reason, the node, and the line to write; the same for publishers of another type."""
+reason, the node, and the line to write; the same for publishers of another type. A latched publisher is heard."""
 
 import os
 import pathlib
@@ -62,6 +62,18 @@ def check_policies(scratch, number):
         assert "no subscriber" not in printed, printed
 
 
+def check_latched(scratch, number):
+    """A scan that was published before the run, by another program, and no other."""
+    file = scratch / "latched.yaml"
+    file.write_text(EXPERIMENT.format(version="2", sensor=SCAN, command=TWIST))
+    with ros.program(PEER, number, "one-scan"):
+        summary, printed = runs.run(file, scratch / "latched")
+    counters = summary["processes"]["experiment"]["counters"]
+    assert counters["scan.messages"] == 1 and counters["scan.lost"] == 0, counters
+    assert "no message on topic '/scan' for 2 s" not in printed and "no message arrived" not in printed, printed
+    assert runs.last_values(scratch / "latched/scan.h5") != [], printed
+
+
 def main():
     for version in "12":
         with tempfile.TemporaryDirectory() as scratch, ros.place(version, pathlib.Path(scratch)) as number:
@@ -70,6 +82,7 @@ def main():
             if version == "2":
                 del os.environ["ROS_DISTRO"]
                 check_policies(pathlib.Path(scratch), number)
+                check_latched(pathlib.Path(scratch), number)
         print(f"over ROS {version}")
 
 

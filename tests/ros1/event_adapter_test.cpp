@@ -258,7 +258,8 @@ TEST_F(EventErrorTest, another_type_on_the_topic) {
   const auto outcome = child_->wait();
   EXPECT_EQ(outcome.exit_code, 3) << outcome.text();
   EXPECT_THAT(outcome.text(), HasSubstr("camera: topic '/events' carries geometry_msgs/Twist, not "
-                                        "dvs_msgs/EventArray; write another topic [SL0508]\n"));
+                                        "dvs_msgs/EventArray; node /"));
+  EXPECT_THAT(outcome.text(), HasSubstr(" publishes it; write another topic [SL0508]\n"));
 }
 
 TEST_F(EventErrorTest, sections_are_checked_without_ros) {

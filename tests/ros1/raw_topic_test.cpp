@@ -70,6 +70,14 @@ TEST_F(RawTopicTest, a_latched_topic_brings_the_last_message_to_those_that_come_
   EXPECT_EQ(robot_.twists().front().linear_x, 0.25);
 }
 
+TEST_F(RawTopicTest, a_latched_publisher_is_known_by_its_messages) {
+  const auto publisher = session_.publisher("/in", "Twist", 10, true);
+  const auto subscriber = listen("/in", "Twist");
+  EXPECT_FALSE(subscriber->latched());
+  publisher->publish(bytes_of(kTwist));
+  EXPECT_TRUE(eventually(20, [&] { return subscriber->latched(); }));
+}
+
 TEST_F(RawTopicTest, receives_bytes) {
   const auto subscriber = listen("/in", "Twist");
   ASSERT_TRUE(eventually(20, [&] {
