@@ -65,7 +65,8 @@ def check_policies(scratch, number):
 def check_latched(scratch, number):
     """A scan that was published before the run, by another program, and no other."""
     file = scratch / "latched.yaml"
-    file.write_text(EXPERIMENT.format(version="2", sensor=SCAN, command=TWIST))
+    command = f"{TWIST}, sensor_timeout: 0 s, max_age: 0 s"  # no other scan follows
+    file.write_text(EXPERIMENT.format(version="2", sensor=SCAN, command=command))
     with ros.program(PEER, number, "one-scan"):
         summary, printed = runs.run(file, scratch / "latched")
     counters = summary["processes"]["experiment"]["counters"]
