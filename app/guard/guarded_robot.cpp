@@ -161,7 +161,7 @@ void GuardedRobot::watch(topics::RawPublisher& robot) {
   robot.drain();
 }
 
-/// Each stop has one message: the robot is not moved while it is stopped.
+/// Sends nothing to a robot that was not driven and whose position is not known.
 void GuardedRobot::stop(topics::RawPublisher& robot) {
   if (!hello_.stop.empty()) {
     robot.publish(hello_.stop);

@@ -68,6 +68,14 @@ TEST_F(StopTest, holds_the_last_command_without_a_fresh_measurement) {
   EXPECT_THAT(sent_.back(), values(2, 0)) << "the measurement is too old";
 }
 
+TEST_F(StopTest, a_joint_that_is_no_longer_reported_is_not_kept_alive_by_others) {
+  command(1, 3, 0);
+  measure(0.4, 10 * kMs);
+  measure(kNan, 11 * kMs + kMeasuredAge);
+  channel_.stop(StopReason::sensor_silent, 11 * kMs + kMeasuredAge);
+  EXPECT_EQ(sent_.back(), values(1, 0));
+}
+
 TEST_F(StopTest, commands_no_position_before_one_is_known) {
   channel_.hold(StopReason::emergency, 0);
   EXPECT_THAT(sent_, ElementsAre(ElementsAre(IsNan(), 0)));

@@ -34,7 +34,7 @@ CommandChannel::CommandChannel(const ChannelSettings& settings, Publish publish)
       limiter_(bounds_of(settings), settings.gate.deadband.size()),
       publish_(std::move(publish)),
       rules_(settings.stops),
-      measured_(settings.gate.deadband.size(), std::numeric_limits<double>::quiet_NaN()),
+      measured_(settings.gate.deadband.size()),
       override_timeout_(settings.override_timeout) {
   rules_.resize(measured_.size());
   stop_ = computed_stop(0);
@@ -42,8 +42,11 @@ CommandChannel::CommandChannel(const ChannelSettings& settings, Publish publish)
 
 void CommandChannel::measure(std::span<const double> positions, TimeNs now) {
   const std::lock_guard lock(mutex_);
-  std::ranges::copy(positions, measured_.begin());
-  measured_at_ = now;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (std::isfinite(positions[i])) {
+      measured_[i] = {positions[i], now};
+    }
+  }
 }
 
 std::vector<double> CommandChannel::stop_values(TimeNs now) const {
@@ -52,11 +55,12 @@ std::vector<double> CommandChannel::stop_values(TimeNs now) const {
 }
 
 std::vector<double> CommandChannel::computed_stop(TimeNs now) const {
-  const bool fresh = measured_at_ && now - *measured_at_ <= kMeasuredAge;
   std::vector<double> values;
   for (std::size_t i = 0; i < rules_.size(); ++i) {
     const double commanded = driven_ ? gate_.last()[i] : std::numeric_limits<double>::quiet_NaN();
-    const double held = fresh && std::isfinite(measured_[i]) ? measured_[i] : commanded;
+    const auto& [position, time] = measured_[i];
+    const bool is_known = std::isfinite(position) && now - time <= kMeasuredAge;
+    const double held = is_known ? position : commanded;
     values.push_back(rules_[i].hold ? held : rules_[i].value);
   }
   return values;

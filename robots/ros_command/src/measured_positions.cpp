@@ -38,7 +38,8 @@ MeasuredPositions::MeasuredPositions(topics::Session& session,
   for (const StopRule& rule : settings.stops) {
     readers_.emplace_back();
     if (holds_joint(rule)) {
-      readers_.back().emplace(catalog, kJointStateType, fmt::format("position[name={}]", rule.joint));
+      readers_.back().emplace(catalog, kJointStateType,
+                              fmt::format("position[name={}]", rule.joint));
     }
   }
   // Lockstep waits for all messages; in all other cases the newest one counts.
@@ -61,9 +62,9 @@ void MeasuredPositions::take(std::span<const std::byte> message) {
     std::vector<double> value;
     for (std::size_t i = 0; i < readers_.size(); ++i) {
       value.clear();
-      if (readers_[i] && readers_[i]->read(message, value) > 0) {
-        positions_[i] = value.front();
-      }
+      const bool is_there = readers_[i] && readers_[i]->read(message, value) > 0;
+      // Several programs may report some of the joints each.
+      positions_[i] = is_there ? value.front() : std::numeric_limits<double>::quiet_NaN();
     }
     sink_.measure(positions_);
   } catch (const std::exception& error) {

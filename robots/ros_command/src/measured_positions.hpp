@@ -42,7 +42,7 @@ class MeasuredPositions {
   const std::string topic_;
   command::CommandSink& sink_;
   std::vector<std::optional<messages::FieldReader>> readers_;  ///< per component
-  std::vector<double> positions_;                              ///< NaN: not known
+  std::vector<double> positions_;  ///< of the newest message; NaN: not in it
   std::atomic<std::uint64_t> received_{0};
   std::atomic<bool> warned_{false};
   std::unique_ptr<topics::RawSubscriber> subscriber_;  ///< the last: it uses all the rest

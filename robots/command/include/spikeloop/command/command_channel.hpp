@@ -63,7 +63,7 @@ class CommandChannel {
   /// has come for the timeout. One that is not finite is a zero.
   void override_with(std::span<const double> values, TimeNs now);
 
-  /// The measured positions of the components that a stop holds; NaN: not known.
+  /// Newly measured positions of the components that a stop holds; NaN: not measured now.
   void measure(std::span<const double> positions, TimeNs now);
   /// The command that stops the robot: that of the stop that lasts, else of one at `now`. Each stop
   /// fixes its values once, so that a joint that yields is not followed. NaN: no position is known.
@@ -128,10 +128,13 @@ class CommandChannel {
   Limiter limiter_;
   Publish publish_;
   std::vector<StopRule> rules_;
-  std::vector<double> measured_;  ///< NaN: not known
-  std::optional<TimeNs> measured_at_;
-  std::vector<double> stop_;         ///< the stop command; see stop_values()
-  std::atomic<bool> drives_{false};  ///< state_ is `running`
+  struct Measurement {
+    double position = std::numeric_limits<double>::quiet_NaN();
+    TimeNs time = 0;
+  };
+  std::vector<Measurement> measured_;  ///< per component
+  std::vector<double> stop_;           ///< the stop command; see stop_values()
+  std::atomic<bool> drives_{false};    ///< state_ is `running`
   State state_ = State::idle;
   std::optional<TimeNs> stands_since_;  ///< begin of the stop. nullopt if the robot may be driven
   TimeNs stood_for_ = 0;                ///< before that
