@@ -227,6 +227,11 @@ class Writer : JobWriter {
     write_plain_keys(node, "ros_command_adapter");
     add(node, "default_limits", node.parameters.word("limits") == kNoLimits ? "false" : "true",
         "limits");
+    const std::string& written = node.parameters.text("joint_states");
+    const std::string states = written.empty() ? joint_state_sensor(experiment_, node) : written;
+    if (!states.empty()) {  // the program does not know all sensors
+      add(node, "joint_states", states, "joint_states");
+    }
     write_people(node);
     write_sensors_behind(node);
     if (spike_timeout(node) != 0) {

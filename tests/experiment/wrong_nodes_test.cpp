@@ -136,6 +136,14 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"angular.z: 1}", "angular.z: 1}, limits: {linear.x: [1, 0]}"}},
                   {"x.yaml:10:120: key 'limits': [1, 0] of 'linear.x' is no least and greatest "
                    "value; write  linear.x: [-0.5, 0.5] [SL0206]"}},
+        WrongFile{"stop of an unknown field",
+                  {{"angular.z: 1}", "angular.z: 1}, stop: {linear.y: hold}"}},
+                  {"x.yaml:10:118: key 'stop': 'linear.y' ... fields, too ... [SL0504]"}},
+        WrongFile{
+            "stop with an unknown word",
+            {{"angular.z: 1}", "angular.z: 1}, stop: {linear.x: hodl}"}},
+            {"x.yaml:10:118: key 'stop': hodl is no value for a stop; write a number, or hold, "
+             "or hold and the name of a joint [SL0201]"}},
         WrongFile{"slew of an unknown field",
                   {{"angular.z: 1}", "angular.z: 1}, slew: {linear.y: 1}"}},
                   {"x.yaml:10:118: key 'slew': 'linear.y' ... fields, too ... [SL0504]"}},
