@@ -80,10 +80,9 @@ music::ProgramText sensor_text(const RosProgram& program) {
       program.name);
   text.notes =
       "LaserScan: 2 (r - range_min) / (range_max - range_min) - 1; below range_min and -inf: -1;\n"
-      "above range_max and +inf: 1; NaN and 0 are no reading, the beam keeps its value. Channel 0 "
-      "is\n"
-      "the rightmost beam. beams=100 and angles=-90,90 resample scans, range=0,10 sets the "
-      "limits.\n"
+      "above range_max and +inf: 1; NaN and 0 are no reading, the beam keeps its value.\n"
+      "Channel 0 is the rightmost beam. beams=100, angles=-90,90 resample scans to 100 angles;\n"
+      "range=0,10 replaces range_min and range_max.\n"
       "Twist: linear.x and angular.z, limited to [-1, 1]. Float64MultiArray: unchanged. Odometry:\n"
       "x[, y[, z]] in metres. Image, CompressedImage: grey, -1 to 1.\n"
       "Older names of types: Laserscan, Twist, FloatArray, Odom.\n"

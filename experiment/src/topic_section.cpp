@@ -8,13 +8,9 @@
 namespace spikeloop::experiment {
 namespace {
 
-constexpr SectionKey kSensorKeys[] = {{"ros_topic", "topic"},
-                                      {"message_type", "message"},
-                                      {"fields", "fields"},
-                                      {"beams", "beams"},
-                                      {"angles", "angles"},
-                                      {"range", "range"},
-                                      {"initial", "initial"}};
+constexpr SectionKey kSensorKeys[] = {
+    {"ros_topic", "topic"}, {"message_type", "message"}, {"fields", "fields"},  {"beams", "beams"},
+    {"angles", "angles"},   {"range", "range"},          {"initial", "initial"}};
 
 constexpr SectionKey kEventKeys[] = {{"ros_topic", "topic"},
                                      {"message_type", "message"},

@@ -156,8 +156,9 @@ std::vector<Parameter> sensor_parameters() {
       {.name = "angles",
        .type = ParameterType::list,
        .default_value = "",
-       .text = "First and last direction of beams, counterclockwise; not given: the first and "
-               "last beam of each scan",
+       .text =
+           "First and last direction of beams (deg), counterclockwise; not given: the first and "
+           "last beam of each scan",
        .inner =
            {{.name = "angle", .unit = "deg", .minimum = -kMostDegrees, .maximum = kMostDegrees}},
        .count = 2,

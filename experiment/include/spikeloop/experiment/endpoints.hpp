@@ -21,8 +21,8 @@ namespace spikeloop::experiment {
 /// sensing::sensor_rule,
 /// and when `initial` is neither a number nor none.
 topics::SensorSettings sensor_settings(const Parameters& parameters);
-/// True if a ros_sensor takes the pixels of an image. A message of another size than the first is
-/// then an error; other messages may have any number of values.
+/// True if a ros_sensor reads the pixels of an image. An image of another size than the port is an
+/// error; other messages may have any number of values.
 bool takes_picture(const Parameters& parameters);
 /// What a ros_event_sensor takes; port and place are left to the caller. @throws
 /// ConfigurationError: `roi` is not a region, `message` has no events.

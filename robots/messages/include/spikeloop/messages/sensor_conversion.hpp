@@ -20,11 +20,11 @@ class Reading;
 ///
 /// | type                     | channels                                                       |
 /// |--------------------------|----------------------------------------------------------------|
-/// | sensor_msgs/LaserScan    | a beam each, from right to left, 2 (r - range_min) / (range_max -
-/// range_min) - 1 | | geometry_msgs/Twist      | linear.x, angular.z, limited to [-1, 1] | |
-/// std_msgs/Float64MultiArray | the data as they are                                         | |
-/// nav_msgs/Odometry        | position x, y, z in metres, as many as the port has             | |
-/// sensor_msgs/Image, CompressedImage | see images::ImageConversion; without a rule its grey  |
+/// | sensor_msgs/LaserScan    | a beam each, range_min to range_max as -1 to 1, from right to left
+/// | | geometry_msgs/Twist      | linear.x, angular.z, limited to [-1, 1]                        |
+/// | std_msgs/Float64MultiArray | the data as they are                                         |
+/// | nav_msgs/Odometry        | position x, y, z in metres, as many as the port has             |
+/// | sensor_msgs/Image, CompressedImage | see images::ImageConversion; without a rule its grey  |
 ///
 /// A beam nearer than range_min, -inf too, is -1 (too close); one beyond range_max, +inf too, is 1
 /// (nothing there), as REP 117 says. NaN is not a reading, and so is 0, which many drivers send

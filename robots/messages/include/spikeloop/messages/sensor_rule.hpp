@@ -42,7 +42,6 @@ struct ScanRule {
   std::optional<std::pair<double, double>> angles{};
   /// Distances in m that are mapped to -1 and 1. nullopt: range_min and range_max of the message.
   std::optional<std::pair<double, double>> range{};
-  bool operator==(const ScanRule&) const = default;
 };
 
 /// At most one of the three. None: the usual fields of the type, see SensorConversion.
