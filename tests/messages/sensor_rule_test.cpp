@@ -210,9 +210,10 @@ TEST_P(SensorRules, fields_that_are_always_nan_are_named) {
   EXPECT_FALSE(few.convert(joints(kNan))) << "it does not keep the data young";
   EXPECT_TRUE(few.passes_nan());
   EXPECT_EQ(few.take_warning(), "");
-  EXPECT_EQ(few.unread(),
-            "the first message had no valid value in 'velocity[name=j3]', so channel 0 has no value; "
-            "select another field, or replace NaN, as in nan: 0");
+  EXPECT_EQ(
+      few.unread(),
+      "the first message had no valid value in 'velocity[name=j3]', so channel 0 has no value; "
+      "select another field, or replace NaN, as in nan: 0");
   EXPECT_TRUE(few.convert(joints(1)));
   EXPECT_EQ(few.unread(), "");
   EXPECT_FALSE(few.convert(joints(kNan)));
