@@ -190,7 +190,7 @@ def checks(scratch):
     bags.experiment(scratch / "x.yaml", scratch / "x.mcap", width=6)
     file = scratch / "x.yaml"
     file.write_text(file.read_text().replace("LaserScan", "Image"))
-    runs.assert_says(bags.spikeloop("check", file), "'hsv9'")
+    runs.assert_says(bags.spikeloop("check", file, code=2), "'hsv9'")
 
 
 def main():

@@ -105,7 +105,7 @@ def check_run(run, pictures):
     assert sorted(zip(ticks, channels)) == sorted(expected), (list(zip(ticks, channels)), expected)
     assert len(expected) > 10
     sent = [message for _, message in McapFile(run / "messages.mcap").of("/motors")]
-    assert any(m.name == ["left"] and np.allclose(m.effort, [0.5]) and
+    assert any(m.name == ["left"] and np.allclose(m.effort, [0.5, np.nan], equal_nan=True) and
                np.allclose(m.velocity, [6, -6]) for m in sent), sent
 
 

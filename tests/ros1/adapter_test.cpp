@@ -256,8 +256,9 @@ TEST_F(AdapterTest, all_channels_without_a_mapping_file_and_a_long_scan) {
   }));
   EXPECT_EQ(robot_.arrays().front(), std::vector<double>(20, 0.0));
   finish();
-  EXPECT_THAT(child_->output(), Fault("... sensor: warning: topic '/in': a sensor_msgs/LaserScan "
-                                      "... 100 ... 20 ... 80 ... [100] ..."));
+  EXPECT_THAT(child_->output(),
+              Fault("... sensor: warning: topic '/in': a sensor_msgs/LaserScan "
+                    "brought 100 values, but the port has 20 channels: ... [100] ..."));
   EXPECT_THAT(
       child_->output(),
       HasSubstr("command: warning: section 'command' has no message_mapping_filename, which "
