@@ -22,7 +22,7 @@ constexpr const char* kTopic = "/clock";
 constexpr const char* kType = "rosgraph_msgs/Clock";
 constexpr TimeNs kSilence = 3 * kNsPerSecond;  // wall time
 constexpr TimeNs kNone = -1;
-constexpr std::size_t kSteps = 11;  // of /clock, from which its period is known
+constexpr std::size_t kSteps = 11;  // intervals of /clock after which its period is known
 
 class ClockPacer : public Pacer {
  public:

@@ -20,7 +20,7 @@ using stepping::Request;
 constexpr TimeNs kFirstWord = 3 * kNsPerSecond;  // wall time
 constexpr TimeNs kRepeat = kNsPerSecond;
 constexpr std::uint32_t kAll = 0;
-constexpr int kMostDeliveries = 20;  // of 100 ms at most
+constexpr int kMostDeliveries = 20;  // calls of deliver(), each at most 100 ms
 
 /// No other run with this robot has it.
 std::uint64_t number_of_run() {
@@ -141,8 +141,8 @@ bool SteppingLink::meet() {
       });
 }
 
-/// Who steps a simulator has received the commands, but the simulator may not: it steps on the
-/// commands that it has. So the subscribers confirm them before.
+/// Waits until all reliable subscribers have confirmed the commands. A simulator steps with the
+/// commands that it has, and may lack those that the program has that steps it.
 void SteppingLink::deliver_commands() {
   for (const SteppedTopic& topic : commands_) {
     bool delivered = false;

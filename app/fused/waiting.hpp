@@ -11,9 +11,9 @@ namespace spikeloop {
 
 /// What the process has around its loop.
 struct LoopSurroundings {
-  std::function<bool()> stop;                 ///< whether the loop is to end
-  std::function<void(bool waits)> enter;      ///< tells the launcher what the loop does
-  TimeNs patience = 60 * kNsPerSecond;        ///< wall time; 0: for ever
+  std::function<bool()> stop;                 ///< True if the loop must end
+  std::function<void(bool waits)> enter;      ///< reports to the launcher what the loop does
+  TimeNs patience = 60 * kNsPerSecond;        ///< wall time; 0: no limit
   TimeNs start_patience = 60 * kNsPerSecond;  ///< wall time until the first tick
 };
 

@@ -21,8 +21,8 @@ constexpr TimeNs kLook = 5'000'000;
 
 /// An adapter sends its hello as soon as it is connected.
 constexpr TimeNs kIntroduction = 2 * kNsPerSecond;
-/// A node of ROS 2 that its own process can make needs no other program, so that one that cannot be
-/// made is a lack of this machine: the robot must not be driven without its guard.
+/// A node of ROS 2 needs no master. If it cannot be created, this machine lacks a resource, and the
+/// robot must not be driven without its guard.
 constexpr int kRos2 = 2;
 
 /// Packets per turn, so that a flood does not delay the timer.

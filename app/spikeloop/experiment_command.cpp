@@ -261,7 +261,7 @@ int run_music_job(const ExperimentArguments& arguments, const Experiment& experi
   return exit_code;
 }
 
-/// Participants of an experiment in the ROS 2 domain, with guard and robot.
+/// Number of DDS participants that an experiment needs, including guard and simulated robot.
 std::size_t participants_of(const Experiment& experiment) {
   if (experiment.ros != experiment::Ros::ros2) {
     return 0;

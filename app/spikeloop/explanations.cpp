@@ -201,7 +201,8 @@ constexpr Explanation kExplanations[] = {
      "--ros-args, or the configuration of Cyclone DDS. docs/ros2.md has those that are read."},
     {Code::image_encoding, "Images or event packets have an encoding that cannot be read",
      "docs/images.md lists those that can be read. Change the setting of the camera driver, or "
-     "convert the images in a node between both, for example with 'image_transport republish'."},
+     "convert the images in a node between driver and sensor, for example with 'image_transport "
+     "republish'."},
 
     {Code::layout, "The processes of a layout do not fit the experiment",
      "Each node is in one process, and a simulator has a process of its own. Without ROS, and with "

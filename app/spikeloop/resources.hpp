@@ -35,8 +35,8 @@ Resource open_files(const RunNeeds& needs);
 Resource address_space(const RunNeeds& needs);
 Resource participants(const RunNeeds& needs);
 
-/// Prints a warning if the domain has no room now: an experiment may be checked on another machine, or
-/// earlier.
+/// Warns if the domain has too few free participants. This is not an error, because `check` may run
+/// on another machine, or before other programs have ended.
 void warn_of_participants(std::size_t needed);
 
 /// Warns if the largest need of a resource is not met.

@@ -71,10 +71,10 @@ class MappingReader {
     read_limits(json_, {}, minimum_, maximum_);
     read_stop(json_, {}, mapping_.stop);
     if (mapping_.stop && (mapping_.stop->value != 0 || !mapping_.stop->joint.empty())) {
-      fail(with_code(
-               Code::unknown_choice,
-               "'stop' of all fields is {}; write \"zero\" or \"hold\", or the value at a field",
-               shown_json(json_["stop"])),
+      fail(with_code(Code::unknown_choice,
+                     "'stop' of the file is {}; write \"zero\" or \"hold\", or 'stop' with a "
+                     "number in a field",
+                     shown_json(json_["stop"])),
            {"stop"});
     }
     if (json_.contains("mapping")) {

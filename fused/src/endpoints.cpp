@@ -61,8 +61,8 @@ command::CommandSettings clock_settings(const Experiment& experiment, const Node
              : command::simulated_settings(keys, map, clock, with_data_stamp);
 }
 
-/// In lockstep the run must not depend on a topic that the robot may not count: there only the
-/// robot of the experiment has one that nobody has named.
+/// In lockstep the simulator must count the topic of joint states. So the topic is used only if it
+/// is a sensor's, is set by `joint_states`, or is published by the robot of the experiment.
 void add_stop(const Experiment& experiment, const Node& node, CommandClock clock,
               command::CommandSettings& settings) {
   const std::string sensor = experiment::joint_state_sensor(experiment, node);

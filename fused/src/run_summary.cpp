@@ -17,7 +17,7 @@ using nlohmann::json;
 
 constexpr std::uint64_t kTicksPerOverrun = 100;  // more overruns are worth a warning
 
-/// As near as a double comes: what is written down is read by people.
+/// The double nearest to the time, which is printed with the fewest digits.
 double exact_seconds(TimeNs time) {
   return static_cast<double>(time) / 1e9;
 }

@@ -22,7 +22,7 @@ namespace {
 
 using messages::Primitive;
 
-/// Warnings of the reader while it exists.
+/// Collects the warnings that are logged during the lifetime of this object.
 class Warnings {
  public:
   Warnings()
@@ -123,8 +123,9 @@ const bag::Connection& connection_of(const bag::Reader& reader, const std::strin
   }
   if (found.empty() && !nodes.empty()) {
     throw ConfigurationError(
-        with_code(Code::unknown_node, "'{}': node '{}' has no messages of topic '{}'; those of: {}",
-                  path, node, topic, nodes));
+        with_code(Code::unknown_node,
+                  "'{}': node '{}' has no messages of topic '{}'; nodes with this topic: {}", path,
+                  node, topic, nodes));
   }
   if (found.empty()) {
     throw ConfigurationError(with_code(Code::no_such_topic,

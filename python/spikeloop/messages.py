@@ -43,7 +43,7 @@ def _objects(values):
 
 
 def _split(values, counts):
-    """One entry per count: the rows of one array if all counts are the same, else an object array of arrays."""
+    """Splits values into arrays of counts[i] entries: rows of one array if all counts are equal, else an object array."""
     if len(counts) == 0 or (counts == counts[0]).all():
         return values.reshape(len(counts), counts[0] if len(counts) else 0, *values.shape[1:])
     return _objects(np.split(values, np.cumsum(counts)[:-1]))
@@ -119,7 +119,7 @@ def _image(encoding, height, width, step, is_bigendian, data):
 
 
 def read_messages(path, topic, fields=(), node=""):
-    """The messages of a topic in a recording (MCAP, or a bag of ROS 1).
+    """The messages of a topic in a recording (MCAP, SQLite or a bag of ROS 1; a file, or a folder of ros2 bag record).
 
     fields: the fields to read, with all below them ("pose.pose"); without it all: of images that takes much memory.
     node: of a run, whose nodes may take the same topic: the node whose messages are read; without it the first.

@@ -237,7 +237,7 @@ def messages_of_a_run(folder):
         found, sent = run.messages(topic), file.of(topic)
         np.testing.assert_array_equal(np.rint(found.times_s * 1e9), [time for time, _ in sent])
         np.testing.assert_array_equal(found[path], [value_of(message, path.split(".")) for _, message in sent])
-    refused(lambda: run.messages("/scan", node="wheels"), "node 'wheels' has no messages of topic '/scan'; those of: scan")
+    refused(lambda: run.messages("/scan", node="wheels"), "node 'wheels' has no messages of topic '/scan'; nodes with this topic: scan")
     (folder / "run/messages.mcap").unlink()
     refused(lambda: run.messages("/scan"), "messages.mcap' is missing: ", "--no-record", "--layout fused")
 

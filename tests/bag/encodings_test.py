@@ -159,7 +159,7 @@ def depths():
 
 
 def experiment(file, cases):
-    """One sensor per case, one bag for all."""
+    """Writes one bag with the images of all cases, and an experiment with one sensor per case."""
     text = "experiment: encodings\nsync: unpaced\nrobot: {bag: images.bag}\nnodes:\n"
     with rosbag.Bag(str(file.parent / "images.bag"), "w") as bag:
         for name, sent, keys, _ in cases:

@@ -219,7 +219,7 @@ def ros1_bags(scratch):
     runs.refused("packed.bag.zstd' is damaged: it is cut off", "check", scratch / "x.yaml", code=4)
     (folder / "drive_2024-01-01-12-00-00_2.bag.active").write_bytes(b"")
     _, printed = runs.run(bags.experiment(scratch / "x.yaml", folder), scratch / "run")
-    runs.assert_says(printed, "_2.bag.active' was not ended and is left out; write  rosbag reindex")
+    runs.assert_says(printed, "_2.bag.active' is incomplete and is skipped; run  rosbag reindex")
 
 
 def main():

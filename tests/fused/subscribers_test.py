@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Commands that no subscriber takes: of another type, or with another quality of service. One warning names the
-reason, the node, and the line to write; the same for publishers of another type. A latched publisher is heard."""
+"""Subscribers that receive no command, because their type or quality of service differs, cause one warning. It names
+reason, node and line to write. Publishers of another type cause the same warning. A latched message is received."""
 
 import os
 import pathlib

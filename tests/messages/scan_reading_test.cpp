@@ -252,7 +252,7 @@ TEST_P(ScanReadings, scans_without_angles_are_refused_if_angles_are_needed) {
     EXPECT_THAT(channels({.ranges = {1, 2, 3}, .increment = increment}, 3, {.beams = 3}),
                 Each(testing::Ge(-1)));
   }
-  // An angle beyond the precision of a float32 ends, too.
+  // At this angle, adding the increment changes no float32: the conversion must not hang.
   for (const double far : {1e30, -1e30}) {
     auto c = conversion(3, rule);
     EXPECT_TRUE(c.convert(message({.ranges = {1, 2, 3}, .angle_min = far, .increment = 2})));

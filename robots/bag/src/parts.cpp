@@ -189,7 +189,7 @@ Parts named_parts(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (entry.path().string().ends_with(".bag.active")) {
       parts.warnings.push_back(fmt::format(
-          "'{0}' was not ended and is left out; write  rosbag reindex {0}  and remove  .active  "
+          "'{0}' is incomplete and is skipped; run  rosbag reindex {0}  and remove  .active  "
           "from its name",
           entry.path().string()));
     }

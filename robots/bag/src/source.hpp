@@ -31,7 +31,7 @@ class Bytes {
   virtual std::span<const std::byte> read(const Place& place) = 0;
 };
 
-/// One file, with the times that it has.
+/// One file of a recording. Times are as recorded, including jumps of the clock.
 class Source {
  public:
   explicit Source(std::string path) : path_(std::move(path)) {}

@@ -132,7 +132,7 @@ class SqliteBytes : public Bytes {
   std::span<const std::byte> read(const Place& place) override {
     query_.restart_with(static_cast<std::int64_t>(place.position));
     if (!query_.next()) {
-      refuse(database_->name(), "a message has gone");
+      refuse(database_->name(), "a message was deleted after the file was opened");
     }
     return std::as_bytes(std::span(query_.bytes(0)));
   }

@@ -72,7 +72,8 @@ std::string_view encoding_in(std::string_view format) {
                 format.substr(0, 60), what));
 }
 
-/// The data begin as no file that can be read. Only if `format` names one they are damaged.
+/// Reports data without a known signature: damaged if `format` names a codec that can be read, else
+/// unsupported.
 [[noreturn]] void fail_data(Bytes data, std::string_view format) {
   if (data.empty()) {
     throw TransportError(with_code(Code::damaged_message,

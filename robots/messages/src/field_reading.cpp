@@ -14,7 +14,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kShownNames = 8;
 
-/// Whether the path takes all elements of an array that has an array of texts `name` beside it.
+/// True if the path takes all elements of an array that is parallel to an array of texts `name`.
 bool has_names(const FieldPath& path) {
   const auto name = std::ranges::find(path.type->fields, "name", &FieldLayout::name);
   const PathStep& step = path.steps.front();

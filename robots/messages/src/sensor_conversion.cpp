@@ -115,8 +115,8 @@ std::string SensorConversion::describe_unread() const {
     return {};
   }
   const ReadValues& values = reading_->values();
-  // Of a message that `skip` leaves out, the value that is not a number is the first that is not
-  // read. The warning of a short message names the channels that no message reaches.
+  // If `skip` left the newest message out, reading stopped at the first value that is not a number.
+  // The warning of a short message names the channels that no message reaches.
   const std::size_t read = values.held.size();
   const std::size_t end = std::min(whole_ ? read : channels_.size(), channels_.size());
   std::size_t first = end;

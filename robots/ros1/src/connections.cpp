@@ -160,7 +160,7 @@ std::vector<topics::Partner> subscribers(const std::string& self, const std::str
       }
     }
   } catch (const XmlRpc::XmlRpcException&) {
-    // An answer of another form than ROS's: the nodes before it are known.
+    // Malformed answer: return the nodes that were read before it.
   }
   return partners;
 }

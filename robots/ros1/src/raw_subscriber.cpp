@@ -74,7 +74,7 @@ class RawSubscriber::Receiver {
   std::string md5_;
   std::mutex mutex_;
   bool closed_ = false;
-  std::atomic<bool> latched_{false};  ///< the publisher of the newest message
+  std::atomic<bool> latched_{false};  ///< True if the publisher of the newest message latches
 };
 
 RawSubscriber::RawSubscriber(ros::NodeHandle& node, topics::Subscription subscription) {

@@ -12,7 +12,7 @@
 namespace spikeloop::ros2 {
 namespace {
 
-/// Messages per turn of the session's thread.
+/// Largest number of messages read per wake-up of the session's thread.
 constexpr int kMostLists = 16;
 
 constexpr std::size_t kGidUntilHumble = 24;

@@ -7,7 +7,7 @@
 namespace spikeloop::ros2 {
 namespace {
 
-/// Writers that have left; of more, all are forgotten.
+/// Maximum number of departed writers kept. If it is exceeded, all of them are removed.
 constexpr std::size_t kMostKnown = 1'000;
 
 /// A packet that takes longer is lost.

@@ -34,8 +34,9 @@ std::string type_hash_in(const std::string& user_data) {
   return known ? hash : std::string();
 }
 
-/// The only one for most publishers. To one that is best effort, ROS 2 warns of a reliable reader,
-/// so that a reliable reader is there from the beginning only where every message counts.
+/// Level of the first reader. Best effort suffices for most publishers. A publisher that is best
+/// effort prints a warning about a reliable reader, so the first reader is reliable only where
+/// every message counts.
 Level first_level(const topics::Subscription& subscription) {
   return subscription.queue == 0 ? Level::reliable : Level::best_effort;
 }

@@ -93,7 +93,7 @@ void CommandTopics::report_other_types() {
     if (since == kNever || (node.empty() && other.node && wall_now() - since < kIntroduction)) {
       continue;
     }
-    log::warning("{}{}; it is not heard", other.text,
+    log::warning("{}{}; its messages are ignored", other.text,
                  node.empty() ? "" : fmt::format("; node {} publishes it", node));
     entry.second = kNever;
   }

@@ -57,12 +57,11 @@ std::pair<double, double> read_range(const Parameters& keys, const char* key) {
   const double least = keys.numbers("range")[0];
   const double most = keys.numbers("range")[1];
   if (!(least < most)) {
-    throw ConfigurationError(
-        keys.where("range"),
-        with_code(Code::wrong_order,
-                  "key '{}': the range [{}, {}] has no least and greatest value; write  "
-                  "range: [0, 4]",
-                  key, least, most));
+    throw ConfigurationError(keys.where("range"),
+                             with_code(Code::wrong_order,
+                                       "key '{}': minimum {} is not below maximum {}; write  "
+                                       "range: [0, 4]",
+                                       key, least, most));
   }
   return {least, most};
 }

@@ -191,7 +191,8 @@ void TopicReader::mind_silence(TimeNs now, TimeNs newest_at) {
   }
   if (const std::string misfit = subscriber_->misfit(); !misfit.empty()) {
     log::warning(
-        "a publisher of '{}' sends nothing here: it offers {}; give it the default quality "
+        "messages of a publisher of '{}' are not received, because it offers {}; give it the "
+        "default quality "
         "of service",
         topic_, misfit);
     return;

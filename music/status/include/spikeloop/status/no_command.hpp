@@ -15,8 +15,8 @@ struct NoCommand {
   std::string reason;           ///< "no command was sent: ..."
 };
 
-/// Of a run with commands: a result if none of them was ever sent, by the network or manually. Of a
-/// run with sensors alone: a result if messages arrived and none was usable.
+/// Reason why a run with commands sent none, neither from the network nor manually; for a run with
+/// sensors alone, why none of the messages that arrived was usable. nullopt otherwise.
 /// @param counters of all nodes, by "NODE.COUNTER"; other values are ignored
 std::optional<NoCommand> find_no_command(const nlohmann::json& counters);
 

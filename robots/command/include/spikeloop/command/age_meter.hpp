@@ -28,8 +28,8 @@ class AgeMeter {
     double age_max_ms = std::numeric_limits<double>::quiet_NaN();
   };
 
-  /// Returns the age of this tick's data; nullopt before the first message's data. A new message
-  /// waits for settle().
+  /// Returns the age of this tick's data; nullopt until a message has arrived. The latency of a new
+  /// message is measured by settle().
   std::optional<TimeNs> update(double arrived_s, TimeNs now);
   /// The commands of the waiting messages were sent at `sent`, or need not be sent because the
   /// robot has them already. A message whose data came later than `sent` counts to the tick of its

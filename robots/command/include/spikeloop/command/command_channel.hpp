@@ -25,11 +25,11 @@ inline constexpr TimeNs kContinuedPause = 1'500'000'000;
 struct ChannelSettings {
   GateSettings gate;
   std::vector<Bounds> bounds{};   ///< one a component; fewer: the others have none
-  TimeNs override_timeout = 0;    ///< so long a manual command holds
+  TimeNs override_timeout = 0;    ///< validity of a manual command
   std::vector<StopRule> stops{};  ///< per component; fewer: the others are 0 at a stop
 };
 
-/// A measured position counts for that long; then a stop holds the last command.
+/// Maximum age of a measured position. If it is older, a stop holds the last command.
 inline constexpr TimeNs kMeasuredAge = 500'000'000;
 
 /// Safe to use from the loop, the watch and those who bring messages at once. Publishing happens

@@ -21,8 +21,7 @@ namespace spikeloop::messages {
 struct Column {
   std::string path;                          ///< "header.stamp"
   Primitive primitive = Primitive::float64;  ///< not Primitive::message
-  /// Little-endian numbers of this type; seconds as doubles of times and durations. Empty for
-  /// texts.
+  /// Values in little-endian order; times and durations are float64 in s. Empty for texts.
   std::vector<std::byte> numbers{};
   std::vector<std::string> texts{};
   std::vector<std::vector<std::uint32_t>> counts{};  ///< per array on the path, outermost first

@@ -44,7 +44,8 @@ struct ScanRule {
   std::optional<std::pair<double, double>> range{};
 };
 
-/// At most one of the three. None: the usual fields of the type, see SensorConversion.
+/// Selects the values of a sensor. At most one member is set. If none is set, SensorConversion
+/// reads the default fields of the type.
 struct SensorRule {
   std::vector<SensorField> fields{};
   std::optional<images::ImageSettings> image{};
