@@ -1,5 +1,5 @@
 // A bag in the robot's place.
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <filesystem>
 
@@ -24,14 +24,6 @@ bool is_sensor(const Node& node, const std::set<std::string>& whole) {
 /// The first tick at which something of this time is there.
 TimeNs tick_of(TimeNs time, TimeNs tick) {
   return (time + tick - 1) / tick * tick;
-}
-
-std::string topics_in(const bag::Reader& reader) {
-  std::set<std::string> topics;
-  for (const bag::Connection& connection : reader.connections()) {
-    topics.insert(fmt::format("{} ({})", connection.topic, connection.type));
-  }
-  return topics.empty() ? "nothing" : fmt::format("{}", fmt::join(topics, ", "));
 }
 
 const messages::Catalog& catalog_of(const Node& node, messages::Dialect dialect) {
@@ -147,7 +139,7 @@ std::set<std::string> check_topic(const Node& node, const bag::Reader& reader) {
         node.parameters.where("topic"),
         with_code(Code::no_such_topic, "key 'topic': the recording has no topic {}{}; it has {}",
                   topic, meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant),
-                  topics_in(reader)));
+                  bag::list_topics(reader)));
   }
   warnings.erase("");
   return warnings;

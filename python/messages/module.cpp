@@ -96,18 +96,6 @@ py::tuple plain(messages::Column&& column) {
   return py::make_tuple(column.path, values, counts);
 }
 
-std::string topics_of(const bag::Reader& reader) {
-  std::map<std::string, std::string> topics;
-  for (const bag::Connection& each : reader.connections()) {
-    topics.emplace(each.topic, each.type);
-  }
-  std::string text;
-  for (const auto& [topic, type] : topics) {
-    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", topic, type);
-  }
-  return text.empty() ? "none" : text;
-}
-
 /// The connection of a topic; of those of a run the node's, or the first.
 const bag::Connection& connection_of(const bag::Reader& reader, const std::string& path,
                                      const std::string& topic, const std::string& node) {
@@ -130,7 +118,7 @@ const bag::Connection& connection_of(const bag::Reader& reader, const std::strin
   if (found.empty()) {
     throw ConfigurationError(with_code(Code::no_such_topic,
                                        "'{}' has no topic '{}'; its topics: {}", path, topic,
-                                       topics_of(reader)));
+                                       bag::list_topics(reader)));
   }
   const bag::Connection& first = *found.front();
   const auto other = std::ranges::find_if(found, [&](const bag::Connection* each) {
@@ -168,8 +156,7 @@ std::unique_ptr<messages::ColumnReader> columns_of(const bag::Connection& connec
                                          connection.topic, connection.type, error.what()));
     }
     log::warning(
-        "topic '{}': the definition of {} in the recording cannot be read; Spikeloop's own "
-        "is used",
+        "topic '{}': the recording's definition of {} cannot be used; Spikeloop's own is used",
         connection.topic, connection.type);
     return std::make_unique<messages::ColumnReader>(builtin, connection.type, fields);
   }

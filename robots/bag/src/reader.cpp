@@ -1,12 +1,14 @@
 #include "spikeloop/bag/reader.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <tuple>
@@ -373,6 +375,14 @@ Stream Reader::stream(const std::string& topic, const std::string& node) const {
     of_topic = of_node.empty() ? std::vector{of_topic.front()} : of_node;
   }
   return Stream(std::make_unique<Stream::Impl>(recording_, of_topic));
+}
+
+std::string list_topics(const Reader& reader) {
+  std::set<std::string> topics;
+  for (const Connection& connection : reader.connections()) {
+    topics.insert(fmt::format("{} ({})", connection.topic, connection.type));
+  }
+  return topics.empty() ? "none" : fmt::format("{}", fmt::join(topics, ", "));
 }
 
 }  // namespace spikeloop::bag

@@ -81,4 +81,7 @@ class Reader {
   std::shared_ptr<const Recording> recording_;
 };
 
+/// "/odom (nav_msgs/Odometry), /scan (sensor_msgs/LaserScan)"; "none" if there are no messages.
+std::string list_topics(const Reader& reader);
+
 }  // namespace spikeloop::bag
