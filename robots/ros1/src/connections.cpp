@@ -1,6 +1,8 @@
 #include "connections.hpp"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
 #include <ros/master.h>
 #include <ros/network.h>
 #include <ros/topic_manager.h>
@@ -8,6 +10,7 @@
 #include <sys/socket.h>
 #include <xmlrpcpp/XmlRpc.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <string_view>
 #include <vector>
@@ -86,18 +89,30 @@ XmlRpcValue ask_node(const std::string& self, const std::string& node, const cha
   return call(uri_of(self, node), method, request);
 }
 
-/// roscpp lists a publisher as connected while it tries to connect.
+/// Port of the other side of a connected socket; 0 if it is not connected.
+std::uint16_t peer_port(int socket) {
+  sockaddr_storage peer{};
+  socklen_t size = sizeof peer;
+  if (::getpeername(socket, reinterpret_cast<sockaddr*>(&peer), &size) != 0) {
+    return 0;
+  }
+  return ntohs(peer.ss_family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(peer).sin6_port
+                                          : reinterpret_cast<const sockaddr_in&>(peer).sin_port);
+}
+
+/// roscpp lists a publisher as connected while it tries to connect. Its socket may be closed, and
+/// the number be that of another connection.
 /// @param transport "TCPROS connection on port 37726 to [robot:42913 on socket 21]"
 bool is_established(const std::string& transport) {
   constexpr std::string_view kSocket = " on socket ";
   const auto place = transport.rfind(kSocket);
-  if (place == std::string::npos) {
+  const auto port = transport.rfind(':', place);
+  if (place == std::string::npos || port == std::string::npos) {
     return true;
   }
   const long socket = std::strtol(transport.c_str() + place + kSocket.size(), nullptr, 10);
-  sockaddr_storage peer{};
-  socklen_t size = sizeof peer;
-  return ::getpeername(static_cast<int>(socket), reinterpret_cast<sockaddr*>(&peer), &size) == 0;
+  return peer_port(static_cast<int>(socket)) ==
+         std::strtol(transport.c_str() + port + 1, nullptr, 10);
 }
 
 /// A connection is [id, name ("o") or address ("i") of the other node, direction, transport, topic,
