@@ -145,10 +145,14 @@ TEST(StopRules, the_mapping_has_priority) {
       R"({"message_type": "sensor_msgs/JointState", "stop": "hold", "mapping": {
           "position[name=a]": {"channel": 0, "stop": 0.5},
           "velocity[name=b]": {"channel": 1},
-          "position[name=c]": {"channel": 2, "stop": "hold elbow"}}})",
+          "position[name=c]": {"channel": 2, "stop": "hold elbow"},
+          "position[name=d]": {"channel": 3},
+          "effort[name=e]": {"channel": 4, "stop": "hold"}}})",
       "map.json");
-  EXPECT_THAT(stop_rules(mapping, 3),
-              ElementsAre(StopRule{.value = 0.5}, StopRule{true}, StopRule{true, "elbow"}));
+  // A velocity or an effort that is held would not stop the robot.
+  EXPECT_THAT(stop_rules(mapping, 5),
+              ElementsAre(StopRule{.value = 0.5}, StopRule{}, StopRule{true, "elbow"},
+                          StopRule{true, "d"}, StopRule{}));
   const auto all = parse_mapping(R"({"message_type": "Float64MultiArray", "stop": "hold"})", "");
   EXPECT_THAT(stop_rules(all, 2), ElementsAre(StopRule{true}, StopRule{true}));
 }

@@ -14,6 +14,10 @@ namespace {
 constexpr std::array<std::string_view, 12> kPositions = {
     "position",   "positions",   "point",    "pose",      "orientation",    "quaternion",
     "transforms", "translation", "rotation", "transform", "steering_angle", "joint_angles"};
+/// Fields that keep a robot moving if they are held.
+constexpr std::array<std::string_view, 10> kRates = {
+    "velocity", "velocities", "effort", "efforts", "accelerations",
+    "linear",   "angular",    "speed",  "force",   "torque"};
 constexpr std::array<std::string_view, 6> kPositionTypes = {
     "geometry_msgs/Point", "geometry_msgs/Point32",    "geometry_msgs/Pose2D",
     "geometry_msgs/Pose",  "geometry_msgs/Quaternion", "geometry_msgs/Transform"};
@@ -35,17 +39,53 @@ std::string_view first_component(std::string_view path) {
   return path.substr(0, end);
 }
 
-StopRule default_stop(const std::string& message_type, std::string_view path) {
-  const bool is_position = std::ranges::find(kPositionTypes, message_type) != kPositionTypes.end();
+/// Calls `take` with each component of a path, until it returns true.
+template <typename Take>
+bool any_component(std::string_view path, Take&& take) {
   while (!path.empty()) {
     const std::string_view component = first_component(path);
     path.remove_prefix(std::min(component.size() + 1, path.size()));
-    const std::string_view name = component.substr(0, component.find('['));
-    if (is_position || std::ranges::find(kPositions, name) != kPositions.end()) {
-      return {.hold = true, .joint = selected_name(component)};
+    if (take(component, component.substr(0, component.find('[')))) {
+      return true;
     }
   }
-  return {};
+  return false;
+}
+
+bool is_rate(std::string_view path) {
+  return any_component(path, [](std::string_view, std::string_view name) {
+    return std::ranges::find(kRates, name) != kRates.end();
+  });
+}
+
+StopRule default_stop(const std::string& message_type, std::string_view path) {
+  const bool is_position = std::ranges::find(kPositionTypes, message_type) != kPositionTypes.end();
+  StopRule rule;
+  any_component(path, [&](std::string_view component, std::string_view name) {
+    if (!is_position && std::ranges::find(kPositions, name) == kPositions.end()) {
+      return false;
+    }
+    rule = {.hold = true, .joint = selected_name(component)};
+    return true;
+  });
+  return rule;
+}
+
+/// A field that is held without the name of a joint is held by that of its path. A velocity or an
+/// effort is never held, because the robot would not stop.
+StopRule stop_rule(const std::string& message_type, const CommandField& field) {
+  const StopRule usual = default_stop(message_type, field.field);
+  if (!field.stop) {
+    return usual;
+  }
+  StopRule rule = *field.stop;
+  if (rule.hold && is_rate(field.field)) {
+    return {};
+  }
+  if (rule.hold && rule.joint.empty()) {
+    rule.joint = usual.joint;
+  }
+  return rule;
 }
 
 }  // namespace
@@ -85,7 +125,7 @@ std::vector<StopRule> stop_rules(const CommandMapping& mapping, std::size_t widt
   }
   std::vector<StopRule> rules;
   for (const CommandField& field : mapping.fields) {
-    rules.push_back(field.stop ? *field.stop : default_stop(mapping.message_type, field.field));
+    rules.push_back(stop_rule(mapping.message_type, field));
   }
   return rules;
 }
