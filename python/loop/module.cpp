@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "caller.hpp"
+#include "failure.hpp"
 #include "spike_arrays.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/log.hpp"
@@ -267,17 +268,7 @@ py::tuple finish(Loop& loop) {
 PYBIND11_MODULE(spikeloop_python_loop, module) {
   namespace own = spikeloop::python;
   using own::Loop;
-  // (message, exit code): spikeloop.SpikeloopError is made of it.
-  static const py::exception<spikeloop::Error> failure(module, "Failure");
-  py::register_exception_translator([](std::exception_ptr thrown) {
-    try {
-      if (thrown) {
-        std::rethrow_exception(thrown);
-      }
-    } catch (const spikeloop::Error& error) {
-      PyErr_SetObject(failure.ptr(), py::make_tuple(error.what(), error.exit_code()).ptr());
-    }
-  });
+  own::register_failure(module);
   py::class_<Loop>(module, "Loop")
       .def(py::init<const std::string&, const std::string&, const std::string&>(),
            py::call_guard<py::gil_scoped_release>())

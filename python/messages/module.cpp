@@ -9,6 +9,7 @@
 #include <memory>
 #include <utility>
 
+#include "failure.hpp"
 #include "spikeloop/bag/reader.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
@@ -212,17 +213,7 @@ std::map<std::string, std::string> topics(const std::string& path) {
 
 PYBIND11_MODULE(spikeloop_python_messages, module) {
   namespace own = spikeloop::python;
-  // (message, exit code): spikeloop.SpikeloopError is made of it.
-  static const py::exception<spikeloop::Error> failure(module, "Failure");
-  py::register_exception_translator([](std::exception_ptr thrown) {
-    try {
-      if (thrown) {
-        std::rethrow_exception(thrown);
-      }
-    } catch (const spikeloop::Error& error) {
-      PyErr_SetObject(failure.ptr(), py::make_tuple(error.what(), error.exit_code()).ptr());
-    }
-  });
+  own::register_failure(module);
   module.def("read", &own::read);
   module.def("topics", &own::topics);
 }
