@@ -21,7 +21,7 @@ struct SteppedTopic {
   std::function<bool()> connected;       ///< whether there is somebody at the other end
   std::function<std::uint64_t()> count;  ///< messages that have come or left
   std::function<void()> require_sound;   ///< throws what is wrong with it
-  /// Of a command: as topics::RawPublisher::deliver().
+  /// Set for commands only; see topics::RawPublisher::deliver().
   std::function<bool()> deliver{};
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 using experiment::Experiment;
 
-constexpr TimeNs kLongest = 4 * kNsPerSecond;  // of wall time
+constexpr TimeNs kLongest = 4 * kNsPerSecond;  // wall time
 
 /// The sensors alone, as fast as possible.
 Experiment sensors_of(const Experiment& whole) {

@@ -1,4 +1,4 @@
-// What a run would report of the recording that replaces its robot.
+// Checks the recording that replaces a robot, and reports what a run would report.
 #pragma once
 
 #include "spikeloop/core/diagnostic.hpp"

@@ -61,7 +61,7 @@ bool counts(const Experiment& experiment, const std::string& process, const std:
          process_of(experiment, experiment::node_of(first->to)) == process;
 }
 
-/// What reached nodes here, however many of them.
+/// Counts each spike once, even if it reached several nodes of this process.
 void add_spikes_of_simulators(const Experiment& experiment, const std::string& process,
                               const Graph& graph, json& summary) {
   std::map<std::string, std::uint64_t> spikes;

@@ -156,7 +156,7 @@ Parts listed_parts(const fs::path& folder, const Metadata& metadata) {
 
 /// Parts by their names.
 Parts named_parts(const fs::path& folder) {
-  // Of a part that is there in several formats, the first of these is read.
+  // If a part exists in several formats, the first of these is read.
   constexpr std::string_view kOrder[] = {".mcap",      ".db3",      ".bag",
                                          ".mcap.zstd", ".db3.zstd", ".bag.zstd"};
   std::map<std::pair<std::uint64_t, std::ptrdiff_t>, std::string> found;

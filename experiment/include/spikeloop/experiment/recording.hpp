@@ -12,7 +12,7 @@ class Reader;
 
 namespace spikeloop::experiment {
 
-/// What a user should know of a recording: parts and messages that are left out, jumps of its
+/// Returns warnings about a recording: parts and messages that are left out, jumps of its
 /// clock, definitions that cannot be used. Errors are left to resolve().
 std::vector<std::string> recording_warnings(const Experiment& experiment,
                                             const bag::Reader& reader);

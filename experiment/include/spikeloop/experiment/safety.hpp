@@ -30,7 +30,7 @@ void add_operator_input(const Node& command, messages::Dialect ros,
 /// The fields of a ros_command, with the default bounds of those without any unless its `limits`
 /// are `none`.
 void add_bounds(const Node& command, command::CommandSettings& settings);
-/// What the fields of a ros_command are at a stop, and the topic of measured positions.
+/// Adds the values of the fields at a stop, and the topic of measured positions.
 /// @param sensor topic of a sensor of sensor_msgs/JointState; empty if there is none
 void add_stop(const Node& command, const std::string& sensor, command::CommandSettings& settings);
 /// The topic of the first sensor of sensor_msgs/JointState that a command depends on; empty if

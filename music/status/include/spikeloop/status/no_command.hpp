@@ -1,4 +1,4 @@
-// Whether a run that ended by itself has driven its robot, and why not.
+// Finds out why a run that has ended sent no command to its robot.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

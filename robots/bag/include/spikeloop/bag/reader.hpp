@@ -64,7 +64,7 @@ class Reader {
   /// Whether a run left it, so that its times are simulated ones.
   bool is_of_a_run() const;
   const std::vector<Connection>& connections() const;
-  /// What a user should know of the files: cut off, parts that are left out, jumps of the clock.
+  /// Warnings about the files: cut off, parts that are left out, jumps of the clock.
   const std::vector<std::string>& warnings() const;
   /// ROS 2 when a connection is, but for spikes and signals.
   messages::Dialect dialect() const;
