@@ -120,9 +120,14 @@ def sqlite_files(scratch):
         path = scratch / f"{distribution}.db3"
         same_as_plain(scratch, writer.db3(path, scans(), distribution=distribution))
     # Packed messages, also in MCAP.
-    packed = [(time, zstandard.compress(data)) for time, data in scans()]
-    same_as_plain(scratch, writer.db3(scratch / "packed.db3", packed, distribution="foxy"))
-    same_as_plain(scratch, writer.mcap(scratch / "packed.mcap", packed))
+    for pack in (zstandard.compress, zstd_stream, several(zstd_stream)):
+        packed = [(time, pack(data)) for time, data in scans()]
+        (scratch / "packed.db3").unlink(missing_ok=True)
+        same_as_plain(scratch, writer.db3(scratch / "packed.db3", packed, distribution="foxy"))
+        same_as_plain(scratch, writer.mcap(scratch / "packed.mcap", packed))
+    writer.mcap(scratch / "packed.mcap", [(time, data[:-5]) for time, data in packed])
+    runs.refused("packed.mcap' is damaged: a compressed message is cut off", "check",
+                 bags.experiment(scratch / "x.yaml", "packed.mcap"), code=4)
     # A recorder that was killed: all messages are still in the write-ahead log.
     recorder = writer.db3(scratch / "live.db3", scans(), close=False)
     (scratch / "killed").mkdir()
@@ -168,7 +173,7 @@ def parts(scratch):
         same_as_plain(scratch, f"{folder}/")
         values, _, printed = values_of(scratch, folder / files[1])
         assert len(values) == 10
-        runs.assert_says(printed, f"{files[1]}' is one of 3 parts of a recording; write  bag: {folder}  to read all")
+        runs.assert_says(printed, f"{files[1]}' is one of 3 parts of a recording; write the path {folder} to read all")
         print("folder:", name)
 
 
@@ -210,6 +215,17 @@ def ros1_bags(scratch):
         runs.run(bags.experiment(scratch / "x.yaml", folder), scratch / "run")
         _, rows = runs.recordings.signal(scratch / "run", "scan")
         np.testing.assert_allclose(rows, expected, atol=1e-6)
+    bags.experiment(scratch / "x.yaml", folder / "drive_2024-01-01-10-59-00_0.bag")
+    runs.assert_says(bags.spikeloop("check", scratch / "x.yaml"),
+                     f"_0.bag' is one of 2 parts of a recording; write the path {folder} to read all")
+    (folder / "other.bag").write_bytes(b"")
+    runs.assert_says(bags.spikeloop("check", scratch / "x.yaml"), "move them to a folder of their own")
+    (folder / "other.bag").unlink()
+    # Numbers from 1 are often those of recordings, not of parts.
+    for number in (1, 2):
+        shutil.copy(folder / "drive_2024-01-01-10-59-00_0.bag", scratch / f"trial_{number}.bag")
+    bags.experiment(scratch / "x.yaml", "trial_1.bag")
+    assert "parts of a recording" not in bags.spikeloop("check", scratch / "x.yaml")
     # Also packed, and cut off while it was packed.
     whole = (folder / "drive_2024-01-01-10-59-00_0.bag").read_bytes()
     (scratch / "packed.bag.zstd").write_bytes(zstandard.compress(whole))

@@ -29,6 +29,7 @@ struct Name {
   std::string recording;
   std::uint64_t part = 0;
   std::string ending;
+  bool has_number = false;
 };
 
 /// nullopt: not the name of a recording.
@@ -40,7 +41,7 @@ std::optional<Name> parse_name(const std::string& file) {
   if (!std::regex_match(file, found, pattern)) {
     return std::nullopt;
   }
-  Name name{found[1], found[2].matched ? std::stoull(found[2]) : 0, found[3]};
+  Name name{found[1], found[2].matched ? std::stoull(found[2]) : 0, found[3], found[2].matched};
   if (name.ending.ends_with(".zst")) {
     name.ending += 'd';
   }
@@ -211,24 +212,51 @@ Parts parts_of_folder(const fs::path& folder) {
   return parts;
 }
 
-/// Warns if a file is one of several parts.
-std::vector<std::string> warn_of_others(const fs::path& file) {
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  if (!parse_name(file.filename().string()) || !fs::exists(folder / kMetadata)) {
-    return {};
-  }
+/// Number of the parts of a file's recording in metadata.yaml. 0 if it does not list the file.
+std::size_t count_listed(const fs::path& file, const fs::path& folder) {
   try {
     const auto metadata = read_metadata(folder);
-    const bool is_listed = std::ranges::any_of(metadata->files, [&](const std::string& listed) {
-      return fs::path(listed).filename() == file.filename();
-    });
-    if (is_listed && metadata->files.size() > 1) {
-      return {fmt::format("'{}' is one of {} parts of a recording; write  bag: {}  to read all",
-                          file.string(), metadata->files.size(), folder.string())};
+    for (const std::string& listed : metadata ? metadata->files : std::vector<std::string>{}) {
+      if (fs::path(listed).filename() == file.filename()) {
+        return metadata->files.size();
+      }
     }
   } catch (const Error&) {  // the file itself may still be good
   }
-  return {};
+  return 0;
+}
+
+/// Number of the parts NAME_0, NAME_1, ... of a file's recording. 0 if the file is not one of them:
+/// many people number recordings from 1.
+std::size_t count_named(const fs::path& file, const fs::path& folder) {
+  const auto name = parse_name(file.filename().string());
+  std::set<std::uint64_t> parts;
+  for (const std::string& other_file : recordings_in(folder)) {
+    const Name other = *parse_name(other_file);
+    if (name && name->has_number && other.has_number && other.recording == name->recording) {
+      parts.insert(other.part);
+    }
+  }
+  return parts.contains(0) && parts.contains(1) ? parts.size() : 0;
+}
+
+/// Warns if a file is one of several parts.
+std::vector<std::string> warn_of_others(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  std::size_t count = count_listed(file, folder);
+  std::string remedy = fmt::format("write the path {}", folder.string());
+  if (count == 0) {
+    count = count_named(file, folder);
+    try {
+      named_parts(folder);
+    } catch (const Error&) {
+      remedy = "move them to a folder of their own and write its path";
+    }
+  }
+  return count < 2 ? std::vector<std::string>{}
+                   : std::vector{fmt::format("'{}' is one of {} parts of a recording; {} to read "
+                                             "all",
+                                             file.string(), count, remedy)};
 }
 
 }  // namespace

@@ -309,7 +309,7 @@ struct Stream::Impl {
       throw FileError(
           with_code(Code::no_access, "'{}' is damaged: {}", recording->file(part), error.what()));
     }
-    return std::as_bytes(std::span(unpacked.view()));
+    return std::as_bytes(std::span(unpacked));
   }
 
   std::shared_ptr<const Recording> recording;
@@ -317,7 +317,7 @@ struct Stream::Impl {
   std::vector<Recording::PartPlace> merged;
   std::span<const Recording::PartPlace> all;  ///< messages that are left
   bool may_be_packed = false;
-  Buffer unpacked;
+  std::string unpacked;
 };
 
 Stream::Stream(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

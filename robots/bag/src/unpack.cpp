@@ -81,40 +81,38 @@ void unpack_lz4_block(std::string_view stored, Buffer& bytes) {
                             packed, folder, why));
 }
 
-void write_all(int file, const char* bytes, std::size_t size) {
-  while (size > 0) {
-    const ssize_t written = ::write(file, bytes, size);
+void write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
     if (written < 0 && errno != EINTR) {
       throw std::system_error(errno, std::generic_category());
     }
-    bytes += std::max<ssize_t>(written, 0);
-    size -= static_cast<std::size_t>(std::max<ssize_t>(written, 0));
+    bytes.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(written, 0)));
   }
 }
 
-/// @throws std::runtime_error that says why
-void unpack_zstd(std::string_view stored, int file) {
+/// Passes the contents of all frames to `take`. A frame that ends too early is unpacked as far as
+/// possible. @returns true if all frames are complete @throws std::runtime_error if it is damaged
+template <typename Take>
+bool unpack_zstd(std::string_view stored, Take&& take) {
   const std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)> stream(ZSTD_createDStream(),
                                                                           &ZSTD_freeDStream);
   ZSTD_DCtx_setParameter(stream.get(), ZSTD_d_windowLogMax,
                          ZSTD_dParam_getBounds(ZSTD_d_windowLogMax).upperBound);
   std::vector<char> part(ZSTD_DStreamOutSize());
   ZSTD_inBuffer in{stored.data(), stored.size(), 0};
-  std::size_t total = 0;
+  std::size_t left = 0;
   bool full = false;
   while (in.pos < in.size || full) {
     ZSTD_outBuffer out{part.data(), part.size(), 0};
-    const std::size_t left = ZSTD_decompressStream(stream.get(), &out, &in);
+    left = ZSTD_decompressStream(stream.get(), &out, &in);
     if (ZSTD_isError(left) != 0) {
       throw std::runtime_error(ZSTD_getErrorName(left));
     }
-    write_all(file, part.data(), out.pos);
-    total += out.pos;
+    take(std::string_view(part.data(), out.pos));
     full = out.pos == part.size();
   }
-  if (total == 0) {
-    throw std::runtime_error("it is cut off");
-  }
+  return left == 0;
 }
 
 }  // namespace
@@ -138,16 +136,19 @@ bool is_zstd(std::string_view bytes) {
   return bytes.starts_with(kZstdFrame);
 }
 
-Buffer unpack_message(std::string_view stored) {
-  const auto size = ZSTD_getFrameContentSize(stored.data(), stored.size());
-  // rosbag2 needs the size, too.
-  if (size <= messages::kLargestMessage) {
-    Buffer bytes(size);
-    if (ZSTD_decompress(bytes.data(), bytes.size(), stored.data(), stored.size()) == size) {
-      return bytes;
+std::string unpack_message(std::string_view stored) {
+  std::string message;
+  const bool is_whole = unpack_zstd(stored, [&](std::string_view part) {
+    if (message.size() + part.size() > messages::kLargestMessage) {
+      throw std::runtime_error(
+          fmt::format("a message has more than {} bytes", messages::kLargestMessage));
     }
+    message += part;
+  });
+  if (!is_whole) {
+    throw std::runtime_error("a compressed message is cut off");
   }
-  throw std::runtime_error("a message cannot be unpacked");
+  return message;
 }
 
 UnpackedFile::UnpackedFile(const std::string& packed) {
@@ -159,7 +160,14 @@ UnpackedFile::UnpackedFile(const std::string& packed) {
     cannot_unpack(packed, folder, std::strerror(errno));
   }
   try {
-    unpack_zstd(Mapping(packed).bytes(), file);
+    bool is_empty = true;
+    unpack_zstd(Mapping(packed).bytes(), [&](std::string_view part) {
+      write_all(file, part);
+      is_empty &= part.empty();
+    });
+    if (is_empty) {
+      throw std::runtime_error("it is cut off");
+    }
     ::close(file);
   } catch (const std::runtime_error& error) {
     ::close(file);

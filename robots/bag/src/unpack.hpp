@@ -31,8 +31,8 @@ Buffer unpack_chunk(std::string_view compression, std::string_view stored, std::
 
 bool is_zstd(std::string_view bytes);
 /// Unpacks a message of `ros2 bag record --compression-mode message`.
-/// @throws std::runtime_error if it is damaged, or longer than messages may be
-Buffer unpack_message(std::string_view stored);
+/// @throws std::runtime_error if it is damaged or cut off, or longer than messages may be
+std::string unpack_message(std::string_view stored);
 
 /// Contents of a file that is compressed as a whole, as `--compression-mode file` does, in a
 /// temporary file.
