@@ -17,7 +17,7 @@ import numpy as np
 import ros
 import runs
 import jobs  # from tests/support, which runs.py adds to the path
-from growing_file import complete_lines
+from growing_file import complete_text
 
 PAGE = pathlib.Path(__file__).parents[2] / "docs/stepping.md"
 BLOCKS = re.findall("```(?:python|cpp|yaml)\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
@@ -121,7 +121,7 @@ def ctrl_c(file, scratch):
         process = runs.started(file, scratch / "running", "--duration", "1000")
         ros.until(lambda: ticks(scratch) > 100, "a tick")
         runs.interrupt(process)
-        ros.until(lambda: complete_lines(scratch / "requests")[-1:] == ['{"end":true}'], "an end")
+        ros.until(lambda: complete_text(scratch / "requests").splitlines()[-1:] == ['{"end":true}'], "an end")
         ros.until(lambda: speeds(scratch)[-1] == 0, "a zero command")
     assert json.loads((scratch / "requests").read_text().splitlines()[-1]) == {"end": True}
     assert speeds(scratch)[-1] == 0
@@ -129,11 +129,11 @@ def ctrl_c(file, scratch):
 
 def speeds(scratch):
     """The commands that the cart received."""
-    return [float(line) for line in complete_lines(scratch / "speeds")]
+    return [float(line) for line in complete_text(scratch / "speeds").splitlines()]
 
 
 def ticks(scratch):
-    return len(complete_lines(scratch / "requests"))
+    return len(complete_text(scratch / "requests").splitlines())
 
 
 def stopped_robot(file, scratch):

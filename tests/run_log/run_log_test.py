@@ -17,7 +17,7 @@ import numpy as np
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from calls import SPIKELOOP, spikeloop  # noqa: E402
-from growing_file import complete_lines  # noqa: E402
+from growing_file import complete_text  # noqa: E402
 
 LINE = re.compile(r"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3})Z +(\d+\.\d{3}) s  (.*)")
 SMALL = """experiment: small
@@ -53,7 +53,7 @@ def log_of(folder):
     """Pairs of simulated time and text; every line has both times."""
     lines = []
     before = None
-    for line in complete_lines(folder / "log.txt"):
+    for line in complete_text(folder / "log.txt").splitlines():
         match = LINE.fullmatch(line)
         assert match, line
         now = datetime.datetime.fromisoformat(match[1])
@@ -109,7 +109,7 @@ def a_killed_run(folder):
     out = folder / "killed"
     with subprocess.Popen([SPIKELOOP, "run", "-q", file, "--out", out]) as process:
         deadline = time.monotonic() + 30
-        while not complete_lines(out / "log.txt"):
+        while not complete_text(out / "log.txt"):
             assert time.monotonic() < deadline, "no log"
             time.sleep(0.02)
         os.kill(process.pid, signal.SIGKILL)

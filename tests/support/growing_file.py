@@ -14,11 +14,6 @@ def complete_text(path, begin=0):
     return text[:text.rfind(b"\n") + 1].decode(errors="replace")
 
 
-def complete_lines(path):
-    """Lines without their ends."""
-    return complete_text(path).split("\n")[:-1]
-
-
 def table(path):
     """Rows of a .csv file as dictionaries, by the names of its columns."""
     return list(csv.DictReader(io.StringIO(complete_text(path), newline="")))

@@ -13,12 +13,12 @@ ROWS = [{"t_s": "0.5", "v_m_s": "12.25"}, {"t_s": "1", "v_m_s": "-3"}]
 class GrowingFileTest(FolderCase):
     def test_an_incomplete_last_line_is_ignored(self):
         path = self.folder / "rows.csv"
-        self.assertEqual((growing_file.complete_lines(path), growing_file.table(path)), ([], []))
+        self.assertEqual((growing_file.complete_text(path), growing_file.table(path)), ("", []))
         for length in range(len(TEXT) + 1):
             path.write_bytes(TEXT[:length].encode())
             ends = TEXT[:length].count("\n")
             with self.subTest(length):
-                self.assertEqual(growing_file.complete_lines(path), TEXT.split("\n")[:ends])
+                self.assertEqual(growing_file.complete_text(path), "".join(TEXT.splitlines(True)[:ends]))
                 self.assertEqual(growing_file.table(path), ROWS[:max(ends - 1, 0)])
 
 
