@@ -56,42 +56,22 @@ std::vector<std::string> read_fields(const Node& node, const std::vector<std::st
                      : "give the .msg file of that version"));
 }
 
-/// Compares the definition in the recording with the one that the node uses, and if that is not
-/// enough the first message.
+/// Compares definition and first message with the definition that the node uses.
 /// @returns a warning, or nothing
 std::string check_version(const Node& node, const bag::Connection& connection,
-                          const std::string& type, const std::optional<bag::Message>& first) {
-  const messages::Catalog& catalog = catalog_of(node, *connection.dialect);
-  messages::Comparison found =
-      messages::compare_types(connection.schema, connection.version, catalog, type);
-  const messages::Comparison bytes =
-      first ? messages::compare_message(first->bytes, *catalog.layout(type)) : found;
+                          const std::string& type, const bag::Reader& reader) {
+  messages::RecordedTopic recorded = bag::recorded_topic(reader, connection, node.name);
+  recorded.type = type;
+  const messages::Comparison found =
+      messages::compare_recorded(recorded, catalog_of(node, *connection.dialect));
   if (found.fit == messages::Fit::other) {
     refuse_version(node, connection, type, found.detail);
   }
-  if (found.fit == messages::Fit::shorter && bytes.fit == messages::Fit::same) {
-    found = {messages::Fit::unknown, "its messages have more fields"};
-  }
-  const bool is_unknown = found.fit == messages::Fit::unknown;
-  if (is_unknown && bytes.fit == messages::Fit::other) {
+  if (const auto missing = read_fields(node, found.missing); !missing.empty()) {
     refuse_version(node, connection, type,
-                   fmt::format("its definition cannot be used ({}), and its messages do not fit "
-                               "ours ({})",
-                               found.detail, bytes.detail));
+                   fmt::format("its messages have no field '{}'", missing.front()));
   }
-  if (bytes.fit == messages::Fit::shorter) {
-    if (const auto missing = read_fields(node, bytes.missing); !missing.empty()) {
-      refuse_version(node, connection, type,
-                     fmt::format("its messages have no field '{}'", missing.front()));
-    }
-  }
-  const bool has_none = connection.schema.encoding.empty();  // as in SQLite before Iron
-  if (!is_unknown || has_none) {
-    return "";
-  }
-  return fmt::format(
-      "topic '{}': the recording's definition of {} cannot be used ({}); Spikeloop's own is used",
-      connection.topic, type, found.detail);
+  return messages::replacement_warning(recorded, found);
 }
 
 /// @returns a warning, or nothing
@@ -116,8 +96,7 @@ std::string check_type(const Node& node, const bag::Connection& connection,
                   "{1}",
                   connection.topic, connection.type, type));
   }
-  bag::Stream stream = reader.stream(connection.topic, node.name);
-  return check_version(node, connection, type, stream.next());
+  return check_version(node, connection, type, reader);
 }
 
 /// @returns warnings

@@ -13,7 +13,7 @@
 #include "spikeloop/bag/reader.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/core/log.hpp"
+#include "spikeloop/images/pixels.hpp"
 #include "spikeloop/messages/columns.hpp"
 
 namespace py = pybind11;
@@ -22,22 +22,6 @@ namespace spikeloop::python {
 namespace {
 
 using messages::Primitive;
-
-/// Collects the warnings that are logged during the lifetime of this object.
-class Warnings {
- public:
-  Warnings()
-      : listener_([this](log::Level level, std::string_view text) {
-          if (level >= log::Level::warning) {
-            texts.emplace_back(text);
-          }
-        }) {}
-
-  std::vector<std::string> texts;
-
- private:
-  log::Listener listener_;
-};
 
 const char* numpy_type(Primitive primitive) {
   switch (primitive) {
@@ -110,6 +94,12 @@ const bag::Connection& connection_of(const bag::Reader& reader, const std::strin
       }
     }
   }
+  if (!node.empty() && !reader.is_of_a_run()) {
+    throw ConfigurationError(with_code(
+        Code::unknown_node,
+        "'{}' is no recording of a run, so that its messages belong to no node; leave 'node' out",
+        path));
+  }
   if (found.empty() && !nodes.empty()) {
     throw ConfigurationError(
         with_code(Code::unknown_node,
@@ -141,33 +131,10 @@ const bag::Connection& connection_of(const bag::Reader& reader, const std::strin
   return first;
 }
 
-/// With the definition in the file, or with Spikeloop's own if the file's cannot be read.
-std::unique_ptr<messages::ColumnReader> columns_of(const bag::Connection& connection,
-                                                   const std::vector<std::string>& fields) {
-  messages::Catalog catalog(*connection.dialect);
-  try {
-    catalog.add_with_dependencies(connection.type, connection.schema.definition);
-    catalog.layout(connection.type);
-  } catch (const ConfigurationError& error) {
-    const auto& builtin = messages::Catalog::builtin(*connection.dialect);
-    if (!builtin.contains(connection.type)) {
-      throw ConfigurationError(with_code(Code::wrong_message,
-                                         "topic '{}': the definition of {} in the recording cannot "
-                                         "be read: {}",
-                                         connection.topic, connection.type, error.what()));
-    }
-    log::warning(
-        "topic '{}': the recording's definition of {} cannot be used; Spikeloop's own is used",
-        connection.topic, connection.type);
-    return std::make_unique<messages::ColumnReader>(builtin, connection.type, fields);
-  }
-  return std::make_unique<messages::ColumnReader>(catalog, connection.type, fields);
-}
-
 /// (type, times in ns, columns, warnings)
 py::tuple read(const std::string& path, const std::string& topic, const std::string& node,
                const std::vector<std::string>& fields) {
-  Warnings warnings;
+  std::vector<std::string> warnings;
   std::vector<TimeNs> times;
   std::string type;
   std::vector<messages::Column> columns;
@@ -176,36 +143,69 @@ py::tuple read(const std::string& path, const std::string& topic, const std::str
     const bag::Reader reader(path);
     const bag::Connection& connection = connection_of(reader, path, topic, node);
     type = connection.type;
-    const auto parts = columns_of(connection, fields);
+    messages::RecordedLayout layout = messages::layout_of(
+        bag::recorded_topic(reader, connection, connection.node), *connection.dialect);
+    warnings = reader.warnings();
+    warnings.insert(warnings.end(), layout.warnings.begin(), layout.warnings.end());
+    messages::ColumnReader parts(std::move(layout.type), fields);
     bag::Stream stream = reader.stream(topic, connection.node);
     while (const auto message = stream.next()) {
       try {
-        parts->read(message->bytes);
+        parts.read(message->bytes);
       } catch (const TransportError& error) {
         throw FileError(fmt::format("'{}': topic '{}', message {}: {}", path, topic,
                                     times.size() + 1, error.what()));
       }
       times.push_back(message->time);
     }
-    columns = parts->take_columns();
+    columns = parts.take_columns();
   }
   py::list plain_columns;
   for (messages::Column& column : columns) {
     plain_columns.append(plain(std::move(column)));
   }
   return py::make_tuple(type, array_of(std::move(times), py::dtype::of<std::int64_t>()),
-                        plain_columns, warnings.texts);
+                        plain_columns, warnings);
 }
 
-/// Type of every topic.
-std::map<std::string, std::string> topics(const std::string& path) {
-  const py::gil_scoped_release free;
-  const bag::Reader reader(path);
+/// (type of every topic, warnings)
+py::tuple topics(const std::string& path) {
   std::map<std::string, std::string> found;
-  for (const bag::Connection& each : reader.connections()) {
-    found.emplace(each.topic, each.type);
+  std::vector<std::string> warnings;
+  {
+    const py::gil_scoped_release free;
+    const bag::Reader reader(path);
+    for (const bag::Connection& each : reader.connections()) {
+      found.emplace(each.topic, each.type);
+    }
+    warnings = reader.warnings();
   }
-  return found;
+  return py::make_tuple(found, warnings);
+}
+
+using Data = py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>;
+
+std::span<const std::byte> bytes_of(const Data& data) {
+  return std::as_bytes(std::span(data.data(), static_cast<std::size_t>(data.size())));
+}
+
+/// height x width (x components)
+py::array array_of(images::Pixels&& pixels) {
+  std::vector<py::ssize_t> shape{pixels.height, pixels.width};
+  if (pixels.components > 1) {
+    shape.push_back(static_cast<py::ssize_t>(pixels.components));
+  }
+  return array_of(std::move(pixels.samples), py::dtype(pixels.type)).reshape(shape);
+}
+
+py::array image(const std::string& encoding, std::uint32_t height, std::uint32_t width,
+                std::uint32_t step, bool is_big_endian, const Data& data) {
+  return array_of(
+      images::read_pixels({width, height, step, encoding, is_big_endian, bytes_of(data)}));
+}
+
+py::array compressed_image(const std::string& format, const Data& data) {
+  return array_of(images::read_compressed_pixels(bytes_of(data), format));
 }
 
 }  // namespace
@@ -216,4 +216,6 @@ PYBIND11_MODULE(spikeloop_python_messages, module) {
   own::register_failure(module);
   module.def("read", &own::read);
   module.def("topics", &own::topics);
+  module.def("image", &own::image);
+  module.def("compressed_image", &own::compressed_image);
 }

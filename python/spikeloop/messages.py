@@ -8,17 +8,16 @@ docs/run-folder.md describes the shapes.
 """
 
 import os
-import re
+import sys
 import warnings
 
 import numpy as np
 
 from .run_folder import RunFolderError, did_you_mean
 
-IMAGE = "sensor_msgs/Image"
-NAMED_ENCODINGS = re.compile(r"(mono|rgb|bgr|rgba|bgra|bayer_\w+?)(8|16)")
-TYPED_ENCODINGS = re.compile(r"(8|16|32|64)([USF])C(\d*)")  # of OpenCV: 32FC1
-CHANNELS = {"rgb": 3, "bgr": 3, "rgba": 4, "bgra": 4}
+# Fields of an image's message, as the library's function takes them.
+IMAGES = {"sensor_msgs/Image": ("image", ("encoding", "height", "width", "step", "is_bigendian", "data")),
+          "sensor_msgs/CompressedImage": ("compressed_image", ("format", "data"))}
 
 
 def _module():
@@ -88,34 +87,30 @@ class Messages:
         return values
 
     def images(self):
-        """The images of sensor_msgs/Image: n x height x width (x channels), colours in the order red, green, blue. An
-        object array of images if their sizes differ. @raises RunFolderError: another type or encoding"""
-        if self.type != IMAGE:
-            raise RunFolderError(f"topic '{self.topic}' has messages of {self.type}, not {IMAGE}" +
-                                 ("; decode each message['data'][i], for example by PIL.Image.open(io.BytesIO(data))"
-                                  if self.type == "sensor_msgs/CompressedImage" else ""), 2)
-        return _stack([_image(*parts) for parts in zip(
-            *(self[name] for name in ("encoding", "height", "width", "step", "is_bigendian", "data")))])
+        """The images of sensor_msgs/Image or sensor_msgs/CompressedImage, in every encoding and format that a sensor
+        reads (docs/images.md): n x height x width (x channels), colours in the order red, green, blue. An object array
+        of images if their sizes differ. @raises RunFolderError: another type, another encoding, a damaged image"""
+        if self.type not in IMAGES:
+            raise RunFolderError(f"topic '{self.topic}' has messages of {self.type}, not {' or '.join(IMAGES)}", 2)
+        function, fields = IMAGES[self.type]
+        images = []
+        for parts in zip(*(self[field] for field in fields)):
+            try:
+                images.append(_call(function, *parts))
+            except RunFolderError as error:
+                raise RunFolderError(f"topic '{self.topic}', message {len(images) + 1}: {error}",
+                                     error.exit_code) from None
+        return _stack(images)
 
 
-def _image(encoding, height, width, step, is_bigendian, data):
-    if found := NAMED_ENCODINGS.fullmatch(encoding):
-        channels, kind = CHANNELS.get(found[1], 1), f"u{int(found[2]) // 8}"
-    elif found := TYPED_ENCODINGS.fullmatch(encoding):
-        channels = int(found[3] or 1)
-        kind = {"U": "u", "S": "i", "F": "f"}[found[2]] + str(int(found[1]) // 8)
-    else:
-        raise RunFolderError(f"images with encoding '{encoding}' are not decoded; their bytes are in ['data']", 2)
-    kind = np.dtype(kind).newbyteorder(">" if is_bigendian else "<")
-    used = int(width) * channels * kind.itemsize
-    if step < used or len(data) < int(height) * int(step):
-        raise RunFolderError(f"an image of {width} x {height} pixels '{encoding}' has {len(data)} bytes, {step} per row; "
-                             "it is damaged")
-    rows = np.ascontiguousarray(data[:int(height) * int(step)].reshape(height, step)[:, :used])
-    pixels = rows.view(kind).astype(kind.newbyteorder("=")).reshape(height, width, channels)
-    if encoding.startswith("bgr"):
-        pixels[..., :3] = pixels[..., 2::-1].copy()
-    return pixels[..., 0] if channels == 1 else pixels
+def _warn(texts):
+    """As warnings of the line that called the package."""
+    level = 1
+    frame = sys._getframe()
+    while frame is not None and frame.f_globals.get("__name__", "").startswith(__package__ + "."):
+        level, frame = level + 1, frame.f_back
+    for text in texts:
+        warnings.warn(text, stacklevel=level)
 
 
 def read_messages(path, topic, fields=(), node=""):
@@ -123,15 +118,18 @@ def read_messages(path, topic, fields=(), node=""):
 
     fields: the fields to read, with all below them ("pose.pose"); without it all: of images that takes much memory.
     node: of a run, whose nodes may take the same topic: the node whose messages are read; without it the first.
+    Parts that are missing, a file that is cut off, a clock that jumps and a definition that cannot be used are reported
+    as Python warnings, as those of a run.
     @raises RunFolderError: the file cannot be read, or has no such topic (the error lists them), field or node
     """
     fields = [fields] if isinstance(fields, str) else list(fields)
     kind, times_ns, columns, said = _call("read", os.fspath(path), topic, node, fields)
-    for text in said:
-        warnings.warn(text, stacklevel=2)
+    _warn(said)
     return Messages(topic, kind, times_ns, columns)
 
 
 def read_topics(path):
     """The topics of a recording: {"/scan": "sensor_msgs/LaserScan"}. @raises RunFolderError: it cannot be read"""
-    return _call("topics", os.fspath(path))
+    topics, said = _call("topics", os.fspath(path))
+    _warn(said)
+    return topics

@@ -8,6 +8,8 @@ import pathlib
 import struct
 import sys
 import tempfile
+import warnings
+import zlib
 
 import genpy
 import numpy as np
@@ -15,11 +17,13 @@ import rosbag
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import Image, JointState, LaserScan
+from sensor_msgs.msg import CompressedImage, Image, JointState, LaserScan
 from std_msgs.msg import Empty
 from tf2_msgs.msg import TFMessage
 
+import recording_writer as writer
 import runs
+from definitions_test import RANGE
 from mcap_file import MAGIC, McapFile
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
@@ -112,34 +116,82 @@ def every_field_of_ros1(folder):
     return bag
 
 
-def images(folder):
-    """By the conventions of cv_bridge; rows may be longer than their pixels."""
+def colours_of_yuv(luma, u, v):
+    """BT.601 with samples from 0 to 255, as in JPEG."""
+    luma, u, v = (np.asarray(plane, dtype=float) for plane in (luma, u, v))
+    colours = np.stack([luma + 1.402 * (v - 128), luma - 0.344136 * (u - 128) - 0.714136 * (v - 128),
+                        luma + 1.772 * (u - 128)], axis=-1)
+    return np.clip(np.rint(colours), 0, 255).astype(np.uint8)
+
+
+def cases_of_images():
+    """(encoding, big endian, step, sent, expected) of 2 x 3 or 2 x 4 pixels"""
     colours = RANDOM.integers(0, 256, (2, 3, 3), dtype=np.uint8)
     deep = RANDOM.integers(0, 1 << 16, (2, 3), dtype=np.uint16)
     metres = RANDOM.normal(size=(2, 3, 2)).astype(np.float32)
     padded = np.concatenate([colours.reshape(2, 9), np.zeros((2, 7), dtype=np.uint8)], axis=1)
     bgra = np.concatenate([colours[..., ::-1], np.full((2, 3, 1), 9, np.uint8)], axis=2)
-    cases = (("rgb8", 0, 9, colours, colours), ("bgr8", 0, 9, colours[..., ::-1], colours), ("rgb8", 0, 16, padded, colours),
-             ("8UC3", 0, 9, colours, colours), ("mono8", 0, 3, colours[..., 0], colours[..., 0]),
-             ("mono16", 1, 6, deep.astype(">u2"), deep), ("16UC1", 0, 6, deep, deep), ("16SC1", 0, 6, deep, deep.view("i2")),
-             ("32FC2", 0, 24, metres, metres), ("bayer_rggb8", 0, 3, colours[..., 1], colours[..., 1]),
-             ("bgra8", 0, 12, bgra, np.concatenate([colours, bgra[..., 3:]], axis=2)))
+    rgba = np.concatenate([colours, bgra[..., 3:]], axis=2)
+    deep_colours = RANDOM.integers(0, 1 << 16, (2, 3, 3), dtype=np.uint16)
+    cell = RANDOM.integers(0, 1 << 15, (2, 4), dtype=np.uint16)  # red, green; green, blue
+    cells = np.stack([cell[0, ::2], (cell[0, 1::2] + cell[1, ::2] + 1) // 2, cell[1, 1::2]], axis=-1)
+    luma, chroma = RANDOM.integers(0, 256, (2, 4)), RANDOM.integers(0, 256, (2, 2))  # U and V of two pairs of columns
+    nv12 = colours_of_yuv(luma, *np.repeat(chroma.T, 2, axis=1)[:, None].repeat(2, axis=1))
+    uyvy = np.stack([chroma[:, [0]].repeat(2, 1), luma[:, ::2], chroma[:, [1]].repeat(2, 1), luma[:, 1::2]], axis=-1)
+    yield from (
+        ("rgb8", 0, 9, colours, colours), ("bgr8", 0, 9, colours[..., ::-1], colours), ("rgb8", 0, 16, padded, colours),
+        ("rgb8", 0, 16, padded.ravel()[:-7], colours), ("8UC3", 0, 9, colours[..., ::-1], colours),
+        ("8UC4", 0, 12, bgra, rgba), ("bgra8", 0, 12, bgra, rgba), ("rgba8", 0, 12, rgba, rgba),
+        ("bgr16", 1, 18, deep_colours[..., ::-1].astype(">u2"), deep_colours),
+        ("mono8", 0, 3, colours[..., 0], colours[..., 0]), ("8UC1", 0, 3, colours[..., 0], colours[..., 0]),
+        ("mono16", 1, 6, deep.astype(">u2"), deep), ("16UC1", 0, 6, deep, deep), ("16SC1", 0, 6, deep, deep.view("i2")),
+        ("32FC2", 0, 24, metres, metres), ("64FC1", 0, 24, metres[..., 0].astype("f8"), metres[..., 0].astype("f8")),
+        ("bayer_rggb8", 0, 4, cell.astype("u1"), None), ("bayer_rggb16", 0, 8, cell, cells[None].repeat(2, 0).repeat(2, 1)),
+        ("nv12", 0, 4, np.concatenate([luma.ravel(), chroma.ravel()]).astype("u1"), nv12),
+        ("nv21", 0, 4, np.concatenate([luma.ravel(), chroma[:, ::-1].ravel()]).astype("u1"), nv12),
+        ("yuv422", 0, 8, uyvy.astype("u1"), colours_of_yuv(luma, chroma[:, [0]], chroma[:, [1]])))
+
+
+def images(folder):
+    """By the conventions of cv_bridge and of docs/images.md; rows may be longer than their pixels."""
     bag = folder / "images.bag"
+    cases = list(cases_of_images())
     with rosbag.Bag(str(bag), "w") as file:
         for i, (encoding, big, step, sent, _) in enumerate(cases):
             for second in range(2):
-                file.write(f"/{i}", Image(height=2, width=3, encoding=encoding, is_bigendian=big, step=step,
+                width = 4 if encoding[:2] in ("ba", "nv", "yu") else 3
+                file.write(f"/{i}", Image(height=2, width=width, encoding=encoding, is_bigendian=big, step=step,
                                           data=np.ascontiguousarray(sent).tobytes()), genpy.Time(BEGIN_S + second))
         for second, width in enumerate((1, 2)):
             file.write("/sizes", Image(height=1, width=width, encoding="mono8", step=width, data=bytes(width)),
                        genpy.Time(BEGIN_S + second))
-        file.write("/yuv", Image(height=1, width=2, encoding="yuv422", step=4, data=bytes(4)), genpy.Time(BEGIN_S))
+        for second, encoding in enumerate(("mono8", "hsv9")):
+            file.write("/unknown", Image(height=1, width=1, encoding=encoding, step=1, data=bytes(1)),
+                       genpy.Time(BEGIN_S + second))
+        file.write("/short", Image(height=2, width=2, encoding="mono8", step=2, data=bytes(3)), genpy.Time(BEGIN_S))
+        file.write("/png", CompressedImage(format="rgb8; png compressed ", data=png(cases[0][3])), genpy.Time(BEGIN_S))
     for i, (encoding, _, _, _, expected) in enumerate(cases):
         found = spikeloop.read_messages(bag, f"/{i}").images()
+        if expected is None:
+            assert found.shape == (2, 2, 4, 3) and found.dtype == np.uint8
+            continue
         assert found.dtype == expected.dtype, (encoding, found.dtype)
         np.testing.assert_array_equal(found, [expected, expected], err_msg=encoding)
     assert [image.shape for image in spikeloop.read_messages(bag, "/sizes").images()] == [(1, 1), (1, 2)]
-    refused(lambda: spikeloop.read_messages(bag, "/yuv").images(), "encoding 'yuv422' are not decoded")
+    np.testing.assert_array_equal(spikeloop.read_messages(bag, "/png").images(), [cases[0][4]])
+    refused(lambda: spikeloop.read_messages(bag, "/unknown").images(), "topic '/unknown', message 2: images with the encoding "
+            "'hsv9' cannot be read")
+    refused(lambda: spikeloop.read_messages(bag, "/short").images(), "message 1: it has 3 bytes; 2 x 2 pixels with the encoding "
+            "mono8 and a step of 2 have 4")
+
+
+def png(pixels):
+    """Colours of 8 bits."""
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+    rows = b"".join(b"\0" + row.tobytes() for row in pixels)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", pixels.shape[1], pixels.shape[0], 8, 2, 0, 0, 0)) + \
+        chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
 
 
 def record(op, content):
@@ -192,9 +244,14 @@ def every_field_of_ros2(folder):
     cut = mcap(folder / "cut.mcap", b"my_robot/msg/Arm", DEFINITION, [message(0), message(1)[:-4]])
     refused(lambda: spikeloop.read_messages(cut, "/arm"), f"'{cut}': topic '/arm', message 2: message of ")
     whole = message(1)
+    ends = {}  # of a message that ends after a field: its fields
     for size in range(len(whole)):  # none is read beyond its end
         short = mcap(folder / "short.mcap", b"my_robot/msg/Arm", DEFINITION, [whole[:size]])
-        refused(lambda short=short: spikeloop.read_messages(short, "/arm"), "message of ")
+        try:
+            ends[size] = spikeloop.read_messages(short, "/arm").fields
+        except RunFolderError as error:
+            assert "message of " in str(error), (size, str(error))
+    assert [ends[size] for size in (5, 20, 28, 36, 42, 68)] == [list(expected)[:count] for count in range(1, 7)], ends
     other = mcap(folder / "json.mcap", b"my_robot/msg/Arm", DEFINITION, [b"{}"], b"json")
     refused(lambda: spikeloop.read_messages(other, "/arm"), "encoded as 'json' and defined as 'ros2msg'")
 
@@ -242,6 +299,65 @@ def messages_of_a_run(folder):
     refused(lambda: run.messages("/scan"), "messages.mcap' is missing: ", "--no-record", "--layout fused")
 
 
+def warned(action):
+    """(result, texts of its warnings, each of which names this file)"""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        result = action()
+    assert all(one.filename == __file__ for one in caught), caught
+    return result, [str(one.message) for one in caught]
+
+
+def older_versions(folder):
+    """Humble's Range, which lacks the last field, under either definition, and in the file of a run."""
+    whole = writer.full_definition("sensor_msgs/Range")
+    humble = whole.replace("float32 variance\n", "\n")
+    for name, definition in (("humble", humble), ("jazzy", whole), ("empty", "")):
+        file = writer.mcap(folder / f"{name}.mcap", [(0, writer.humble_range(1.5)), (10**9, writer.humble_range(2.5))], "/range",
+                           "sensor_msgs/Range", schema=definition)
+        found, texts = warned(lambda file=file: spikeloop.read_messages(file, "/range"))
+        assert found["range"].tolist() == [1.5, 2.5] and found.fields[-1] == "range", (name, found.fields)
+        assert len(texts) == (name == "empty"), texts
+        refused(lambda file=file: spikeloop.read_messages(file, "/range", "variance"), "has no field 'variance'")
+        (folder / "x.yaml").write_text(RANGE.format(file, "range"))
+        runs.run(folder / "x.yaml", folder / "run")
+        kept, texts = warned(lambda: spikeloop.open_run(folder / "run").messages("/range"))
+        assert kept["range"].tolist() == [1.5, 2.5] and kept.fields == found.fields and not texts, (kept.fields, texts)
+        schemas = str(McapFile(folder / "run/messages.mcap").schemas)
+        assert "float32 min_range" in schemas and "variance" not in schemas, schemas
+
+
+def warnings_of_files(folder):
+    """Those of a run, once."""
+    scans = [(i * 10**9, writer.scan()) for i in range(3)]
+    cases = {"IDL": ({"schema": "module x {};", "encoding": "ros2idl"}, "definition of sensor_msgs/LaserScan cannot be used (it is in "
+                     "the format 'ros2idl'); Spikeloop's own is used"),
+             "cut off": ({"schema": writer.full_definition("sensor_msgs/LaserScan")[:300]}, "cannot be used (it is cut off)"),
+             "not ended": ({"end": b""}, "was not ended: only its first 2 s can be read"),
+             "gap": ({"messages": [*scans, (100 * 10**9, writer.scan())]}, "there is no message from 2 s to 100 s")}
+    for name, (options, expected) in cases.items():
+        file = writer.mcap(folder / "x.mcap", options.pop("messages", scans), **options)
+        found, texts = warned(lambda file=file: spikeloop.read_messages(file, "/scan"))
+        assert len(texts) == 1 and expected in texts[0], (name, texts)
+        assert (found["ranges"] == 2).all() and len(found) >= 3, name
+    cut = mcap(folder / "arm.mcap", b"my_robot/msg/Arm", DEFINITION.replace(b"Part[] parts\n", b""),
+               [b"\0\1\0\0" + bytes(64)])
+    _, texts = warned(lambda: spikeloop.read_messages(cut, "/arm"))
+    assert len(texts) == 1 and "have more bytes than the definition of my_robot/Arm in the recording describes; fields after " \
+        "'many' are left out" in texts[0], texts
+    for name, definition, why in (("idl", b"module x {};", "its line 1 cannot be read"), ("empty", b"", "it is empty")):
+        file = mcap(folder / f"{name}.mcap", b"my_robot/msg/Arm", definition, [bytes([0, 1, 0, 0]) + bytes(64)])
+        refused(lambda file=file: spikeloop.read_messages(file, "/arm"), "definition of my_robot/Arm cannot be used, and Spikeloop has "
+                "none that fits: ", why)
+    refused(lambda: spikeloop.read_messages(folder / "x.mcap", "/scan", node="scan"), "is no recording of a run")
+    parts = folder / "parts"
+    parts.mkdir()
+    for number in (0, 2):
+        writer.mcap(parts / f"drive_{number}.mcap", [(number * 10**9, writer.scan())])
+    _, texts = warned(lambda: spikeloop.read_topics(parts))
+    assert len(texts) == 1 and "part 1 is missing" in texts[0], texts
+
+
 def main():
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
@@ -249,6 +365,8 @@ def main():
         errors(bag)
         images(folder)
         every_field_of_ros2(folder)
+        older_versions(folder)
+        warnings_of_files(folder)
         messages_of_a_run(folder)
         (folder / "page").mkdir()
         example_of_the_page(folder / "page")

@@ -64,12 +64,12 @@ std::uint16_t Writer::add(Channel channel) {
 }
 
 /// Writes the channel into the chunk, and its schema when no channel before had it.
-void Writer::begin(std::uint16_t channel) {
+void Writer::begin(std::uint16_t channel, std::span<const std::byte> message) {
   const Channel& written = channels_[channel].channel;
   const std::string schema = Content()
                                  .text(written.type)
                                  .text(written.definition_encoding)
-                                 .text(written.definition)
+                                 .text(written.definition(message))
                                  .bytes();
   const auto known = std::ranges::find(schemas_, schema);
   channels_[channel].schema = static_cast<std::uint16_t>(known - schemas_.begin() + 1);
@@ -102,7 +102,7 @@ void Writer::take(std::uint16_t channel, TimeNs time, std::span<const std::byte>
   Known& known = channels_[channel];
   const auto stamp = static_cast<std::uint64_t>(time);
   if (known.schema == 0) {
-    begin(channel);
+    begin(channel, message);
   }
   const bool is_first =
       std::ranges::all_of(channels_, [](const Known& one) { return one.in_chunk.empty(); });

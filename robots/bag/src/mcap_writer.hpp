@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -21,7 +22,7 @@ struct Channel {
   std::string encoding;             ///< of messages, as kRos1
   std::string type;                 ///< the name of their definition
   std::string definition_encoding;  ///< as kRos1Definition
-  std::string definition;
+  std::function<std::string(std::span<const std::byte>)> definition;  ///< for the first message
   std::map<std::string, std::string> metadata;
 };
 
@@ -62,7 +63,7 @@ class Writer {
   /// chunks to keep their index in memory.
   void spill_index();
   std::string chunk_index();
-  void begin(std::uint16_t channel);
+  void begin(std::uint16_t channel, std::span<const std::byte> message);
   std::string channel_record(std::uint16_t channel) const;
   std::string statistics() const;
   /// Records of one kind, with their opcodes.

@@ -385,4 +385,15 @@ std::string list_topics(const Reader& reader) {
   return topics.empty() ? "none" : fmt::format("{}", fmt::join(topics, ", "));
 }
 
+messages::RecordedTopic recorded_topic(const Reader& reader, const Connection& connection,
+                                       const std::string& node) {
+  messages::RecordedTopic result{connection.topic, connection.type, connection.schema,
+                                 connection.version};
+  Stream stream = reader.stream(connection.topic, node);
+  if (const auto first = stream.next()) {
+    result.first.emplace(first->bytes.begin(), first->bytes.end());
+  }
+  return result;
+}
+
 }  // namespace spikeloop::bag

@@ -37,6 +37,9 @@ struct Recorder::Impl {
   Impl(const std::string& path_, const RecorderOptions& options_)
       : path(path_), options(options_), file(path_, "") {}
 
+  using Definition = std::function<std::string(std::span<const std::byte>)>;
+
+  std::uint32_t add(const Channel& channel, Definition definition);
   void run();
   void write_fresh();
   void write(const std::vector<Item>& batch);
@@ -73,19 +76,28 @@ Recorder::~Recorder() {
 }
 
 std::uint32_t Recorder::add(const Topic& topic) {
-  return add_channel({topic.name, messages::schema_of(topic.dialect, topic.type), topic.node});
+  const messages::Schema schema = messages::schema_of(topic.dialect, topic.type);
+  const auto& catalog = messages::Catalog::for_type(topic.dialect, topic.type);
+  const auto type = catalog.layout(catalog.full_name(topic.type));
+  return impl_->add({topic.name, schema, topic.node}, [schema, type](auto message) {
+    return messages::definition_for(schema, *type, message);
+  });
 }
 
 std::uint32_t Recorder::add_channel(const Channel& channel) {
+  return impl_->add(channel, [text = channel.schema.definition](auto /*message*/) { return text; });
+}
+
+std::uint32_t Recorder::Impl::add(const Channel& channel, Definition definition) {
   const messages::Schema& schema = channel.schema;
-  const std::lock_guard lock(impl_->mutex);
-  impl_->fresh.push_back({channel.topic,
-                          schema.encoding,
-                          schema.type,
-                          schema.definition_encoding,
-                          schema.definition,
-                          {{kNodeField, channel.node}}});
-  return impl_->channels++;
+  const std::lock_guard lock(mutex);
+  fresh.push_back({channel.topic,
+                   schema.encoding,
+                   schema.type,
+                   schema.definition_encoding,
+                   std::move(definition),
+                   {{kNodeField, channel.node}}});
+  return channels++;
 }
 
 void Recorder::attach(const std::string& name, const std::string& media_type,

@@ -148,25 +148,9 @@ void AreaAverage::average(const ImageView& image, const Encoding& encoding, cons
   }
   const std::vector<Mixture> planes = mixtures(read, channel);
   values.resize(planes.size() * size.width * size.height);
-  const auto average = [&]<typename T>(T /*sample*/) {
+  with_sample(encoding.sample, [&]<typename T>(T /*sample*/) {
     average_rows<T>(image, read, crop, planes, least, most, values);
-  };
-  switch (encoding.sample) {
-    case Sample::u8:
-      return average(std::uint8_t{});
-    case Sample::s8:
-      return average(std::int8_t{});
-    case Sample::u16:
-      return average(std::uint16_t{});
-    case Sample::s16:
-      return average(std::int16_t{});
-    case Sample::s32:
-      return average(std::int32_t{});
-    case Sample::f32:
-      return average(float{});
-    case Sample::f64:
-      return average(double{});
-  }
+  });
 }
 
 template <typename T>

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <iterator>
 
 #include "spikeloop/core/code.hpp"
@@ -55,15 +56,25 @@ std::optional<Encoding> opencv_type(std::string_view name) {
     return std::nullopt;
   }
   const auto sample = static_cast<Sample>(found - std::begin(kSamples));
-  const std::string_view components = name.substr(found->size());
-  if (components.empty() || components == "C1") {
-    return Encoding{name, Layout::plain, sample, 1, {}, sample != Sample::u8};
+  std::string_view components = name.substr(found->size());
+  components = components.empty() ? "C1" : components;
+  std::uint8_t count = 0;
+  const char* const end = components.data() + components.size();
+  if (!components.starts_with('C') ||
+      std::from_chars(components.data() + 1, end, count).ptr != end || count == 0) {
+    return std::nullopt;
   }
-  if (components == "C3" || components == "C4") {
-    const auto count = static_cast<std::uint8_t>(components[1] - '0');
-    return Encoding{name, Layout::plain, sample, count, kBgr};
-  }
-  return std::nullopt;
+  const bool is_colour = count == 3 || count == 4;
+  return Encoding{name,
+                  Layout::plain,
+                  sample,
+                  count,
+                  is_colour ? kBgr : std::array<std::uint8_t, 3>{},
+                  count == 1 && sample != Sample::u8};
+}
+
+bool has_colours(const Encoding& encoding) {
+  return encoding.components == 1 || encoding.components == 3 || encoding.components == 4;
 }
 
 void check_layout(const ImageView& image, const Encoding& encoding) {
@@ -79,20 +90,9 @@ void check_layout(const ImageView& image, const Encoding& encoding) {
 }  // namespace
 
 std::size_t Encoding::sample_bytes() const {
-  switch (sample) {
-    case Sample::u8:
-    case Sample::s8:
-      return 1;
-    case Sample::u16:
-    case Sample::s16:
-      return 2;
-    case Sample::s32:
-    case Sample::f32:
-      return 4;
-    case Sample::f64:
-      break;
-  }
-  return 8;
+  std::size_t bytes = 0;
+  with_sample(sample, [&](auto value) { bytes = sizeof value; });
+  return bytes;
 }
 
 std::size_t Encoding::pixel_bytes() const {
@@ -106,9 +106,13 @@ double Encoding::greatest() const {
   return depth ? 0 : sample == Sample::u8 ? 255 : sample == Sample::u16 ? 65'535 : 0;
 }
 
-std::optional<Encoding> find_encoding(std::string_view name) {
+std::optional<Encoding> find_encoding(std::string_view name, bool any_components) {
   const auto* const found = std::ranges::find(kEncodings, name, &Encoding::name);
-  return found != std::end(kEncodings) ? *found : opencv_type(name);
+  if (found != std::end(kEncodings)) {
+    return *found;
+  }
+  const std::optional<Encoding> type = opencv_type(name);
+  return type && (any_components || has_colours(*type)) ? type : std::nullopt;
 }
 
 Planes planes_of(const ImageView& image, Layout layout) {
@@ -126,8 +130,8 @@ Planes planes_of(const ImageView& image, Layout layout) {
   return {image.step, chroma, stride, chroma + (rows - 1) * stride + row};
 }
 
-Encoding check_image(const ImageView& image) {
-  const std::optional<Encoding> found = find_encoding(image.encoding);
+Encoding check_image(const ImageView& image, bool any_components) {
+  const std::optional<Encoding> found = find_encoding(image.encoding, any_components);
   if (!found) {
     throw ConfigurationError(with_code(
         Code::image_encoding,

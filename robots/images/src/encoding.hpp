@@ -16,6 +16,27 @@ namespace spikeloop::images {
 enum class Layout : std::uint8_t { plain, bayer, uyvy, yuyv, nv12, nv21, nv24 };
 enum class Sample : std::uint8_t { u8, s8, u16, s16, s32, f32, f64 };
 
+/// Calls `work` with a value of the type of these samples.
+template <typename Work>
+void with_sample(Sample sample, Work&& work) {
+  switch (sample) {
+    case Sample::u8:
+      return work(std::uint8_t{});
+    case Sample::s8:
+      return work(std::int8_t{});
+    case Sample::u16:
+      return work(std::uint16_t{});
+    case Sample::s16:
+      return work(std::int16_t{});
+    case Sample::s32:
+      return work(std::int32_t{});
+    case Sample::f32:
+      return work(float{});
+    case Sample::f64:
+      return work(double{});
+  }
+}
+
 struct Encoding {
   std::string_view name;
   Layout layout = Layout::plain;
@@ -37,7 +58,8 @@ struct Encoding {
 };
 
 /// nullopt if the encoding is unknown. `name` must outlive the result.
-std::optional<Encoding> find_encoding(std::string_view name);
+/// @param any_components accepts OpenCV's types without defined colours, such as 32FC2
+std::optional<Encoding> find_encoding(std::string_view name, bool any_components = false);
 
 /// Position of the planes of nv12, nv21 and nv24, in bytes.
 struct Planes {
@@ -49,7 +71,8 @@ struct Planes {
 Planes planes_of(const ImageView& image, Layout layout);
 
 /// Compares the image with its encoding and the number of its bytes.
+/// @param any_components as of find_encoding()
 /// @throws ConfigurationError for an unknown encoding, TransportError for a contradiction.
-Encoding check_image(const ImageView& image);
+Encoding check_image(const ImageView& image, bool any_components = false);
 
 }  // namespace spikeloop::images

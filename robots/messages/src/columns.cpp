@@ -112,10 +112,10 @@ struct ColumnReader::Impl {
   std::vector<std::string> known;  // paths of all numbers and texts
 };
 
-ColumnReader::ColumnReader(const Catalog& catalog, std::string_view type,
+ColumnReader::ColumnReader(std::shared_ptr<const TypeLayout> type,
                            const std::vector<std::string>& paths)
     : impl_(std::make_unique<Impl>()) {
-  impl_->type = catalog.layout(catalog.full_name(type));
+  impl_->type = std::move(type);
   impl_->root = impl_->part_of(*impl_->type, "", 0, paths);
   for (const std::string& path : paths) {
     if (std::ranges::none_of(impl_->known,

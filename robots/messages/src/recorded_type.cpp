@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "wire.hpp"
 
@@ -75,6 +76,18 @@ std::string sum_of(const Catalog& catalog, std::string_view type) {
   return catalog.dialect() == Dialect::ros1 ? catalog.md5(type) : catalog.type_hash(type);
 }
 
+/// Reason for which the definition in a recording cannot be read; empty if there is none.
+std::string unreadable(const Schema& recorded, Dialect dialect) {
+  const std::string_view usual = dialect == Dialect::ros1 ? kRos1Definition : kRos2Definition;
+  return recorded.definition_encoding.empty() || recorded.definition_encoding == usual
+             ? ""
+             : fmt::format("it is in the format '{}'", recorded.definition_encoding);
+}
+
+std::string unreadable_line(const ConfigurationError& error) {
+  return fmt::format("its line {} cannot be read", error.where().line);
+}
+
 /// The definition in the recording. @throws ConfigurationError
 Catalog parse(const Schema& recorded, Dialect dialect, const std::string& type) {
   Catalog catalog(dialect);
@@ -85,6 +98,25 @@ Catalog parse(const Schema& recorded, Dialect dialect, const std::string& type) 
   }
   catalog.add_with_dependencies(type, recorded.definition);
   return catalog;
+}
+
+[[noreturn]] void fail_definition(const RecordedTopic& recorded, std::string_view why) {
+  throw ConfigurationError(with_code(Code::wrong_message,
+                                     "topic '{}': the recording's definition of {} cannot be used, "
+                                     "and Spikeloop has none that fits: {}",
+                                     recorded.topic, recorded.type, why));
+}
+
+/// Of the definition in the recording.
+std::shared_ptr<const TypeLayout> written_layout(const RecordedTopic& recorded, Dialect dialect) {
+  if (const std::string why = unreadable(recorded.schema, dialect); !why.empty()) {
+    fail_definition(recorded, why);
+  }
+  try {
+    return parse(recorded.schema, dialect, recorded.type).layout(recorded.type);
+  } catch (const ConfigurationError& error) {
+    fail_definition(recorded, error.located() ? unreadable_line(error) : error.what());
+  }
 }
 
 }  // namespace
@@ -100,10 +132,8 @@ Comparison compare_types(const Schema& recorded, std::string_view version, const
       !ours->fields.empty()) {
     return {Fit::unknown, "it is empty"};
   }
-  const std::string_view usual =
-      catalog.dialect() == Dialect::ros1 ? kRos1Definition : kRos2Definition;
-  if (!recorded.definition_encoding.empty() && recorded.definition_encoding != usual) {
-    return {Fit::unknown, fmt::format("it is in the format '{}'", recorded.definition_encoding)};
+  if (std::string why = unreadable(recorded, catalog.dialect()); !why.empty()) {
+    return {Fit::unknown, std::move(why)};
   }
   try {
     const Catalog theirs = parse(recorded, catalog.dialect(), ours->name);
@@ -113,9 +143,7 @@ Comparison compare_types(const Schema& recorded, std::string_view version, const
     }
     return compare_layouts(*theirs.layout(ours->name), *ours);
   } catch (const ConfigurationError& error) {
-    return {Fit::unknown, error.located()
-                              ? fmt::format("its line {} cannot be read", error.where().line)
-                              : kCutOff};
+    return {Fit::unknown, error.located() ? unreadable_line(error) : kCutOff};
   }
 }
 
@@ -140,6 +168,69 @@ Comparison compare_message(std::span<const std::byte> message, const TypeLayout&
   } catch (const TransportError& error) {
     return {Fit::other, error.what()};
   }
+}
+
+Comparison compare_recorded(const RecordedTopic& recorded, const Catalog& catalog) {
+  Comparison found = compare_types(recorded.schema, recorded.version, catalog, recorded.type);
+  if (!recorded.first || found.fit == Fit::other) {
+    return found;
+  }
+  const Comparison bytes = compare_message(*recorded.first, *catalog.layout(recorded.type));
+  if (found.fit == Fit::shorter && bytes.fit == Fit::same) {
+    found = {Fit::unknown, "its messages have more fields"};
+  }
+  if (found.fit == Fit::unknown && bytes.fit == Fit::other) {
+    return {Fit::other,
+            fmt::format("its definition cannot be used ({}), and its messages do not fit ours ({})",
+                        found.detail, bytes.detail)};
+  }
+  found.missing = bytes.missing;
+  return found;
+}
+
+std::string replacement_warning(const RecordedTopic& recorded, const Comparison& compared) {
+  const bool has_definitions = !recorded.schema.encoding.empty();  // SQLite has some since Iron
+  return compared.fit != Fit::unknown || !has_definitions
+             ? ""
+             : fmt::format(
+                   "topic '{}': the recording's definition of {} cannot be used ({}); Spikeloop's "
+                   "own is used",
+                   recorded.topic, recorded.type, compared.detail);
+}
+
+RecordedLayout layout_of(const RecordedTopic& recorded, Dialect dialect) {
+  RecordedLayout result;
+  const Catalog& own = Catalog::builtin(dialect);
+  if (own.contains(recorded.type)) {
+    const Comparison compared = compare_recorded(recorded, own);
+    if (compared.fit == Fit::same || compared.fit == Fit::unknown) {
+      result.type = own.layout(recorded.type);
+    }
+    if (std::string warning = replacement_warning(recorded, compared); !warning.empty()) {
+      result.warnings.push_back(std::move(warning));
+    }
+  }
+  if (!result.type) {
+    result.type = written_layout(recorded, dialect);
+  }
+  if (!recorded.first) {
+    return result;
+  }
+  const Comparison bytes = compare_message(*recorded.first, *result.type);
+  if (bytes.fit == Fit::shorter) {
+    auto shorter = std::make_shared<TypeLayout>(*result.type);
+    shorter->fields.resize(shorter->fields.size() - bytes.missing.size());
+    shorter->bytes.reset();
+    result.type = std::move(shorter);
+  } else if (bytes.fit == Fit::longer && result.type->fields.empty()) {
+    fail_definition(recorded, "it is empty");
+  } else if (bytes.fit == Fit::longer) {
+    result.warnings.push_back(
+        fmt::format("topic '{}': the messages have more bytes than the definition of {} in the "
+                    "recording describes; fields after '{}' are left out",
+                    recorded.topic, recorded.type, result.type->fields.back().name));
+  }
+  return result;
 }
 
 }  // namespace spikeloop::messages

@@ -126,7 +126,7 @@ void check_fields(const Catalog& catalog, const Subject& subject, Bytes message)
 
 /// All fields at once: every value is from the bytes.
 void check_columns(const Catalog& catalog, const Subject& subject, Bytes message) {
-  ColumnReader reader(catalog, subject.type);
+  ColumnReader reader(catalog.layout(subject.type));
   bool good = true;
   try {
     reader.read(message);

@@ -12,6 +12,7 @@
 
 #include "spikeloop/core/time.hpp"
 #include "spikeloop/messages/definition.hpp"
+#include "spikeloop/messages/recorded_type.hpp"
 #include "spikeloop/messages/schema.hpp"
 
 namespace spikeloop::bag {
@@ -83,5 +84,9 @@ class Reader {
 
 /// "/odom (nav_msgs/Odometry), /scan (sensor_msgs/LaserScan)"; "none" if there are no messages.
 std::string list_topics(const Reader& reader);
+
+/// For messages::compare_recorded() and messages::layout_of(). @param node as of Reader::stream()
+messages::RecordedTopic recorded_topic(const Reader& reader, const Connection& connection,
+                                       const std::string& node);
 
 }  // namespace spikeloop::bag

@@ -30,9 +30,9 @@ struct Column {
 class ColumnReader {
  public:
   /// @param paths fields to read, with all fields below them; empty: all fields
-  /// @throws ConfigurationError: an unknown type, or no such field, with "did you mean"
-  ColumnReader(const Catalog& catalog, std::string_view type,
-               const std::vector<std::string>& paths = {});
+  /// @throws ConfigurationError: no such field, with "did you mean"
+  explicit ColumnReader(std::shared_ptr<const TypeLayout> type,
+                        const std::vector<std::string>& paths = {});
   ~ColumnReader();
   ColumnReader(const ColumnReader&) = delete;
   ColumnReader& operator=(const ColumnReader&) = delete;

@@ -2,10 +2,12 @@
 // (https://mcap.dev/spec/registry) and of the Foxglove WebSocket protocol.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 
-#include "spikeloop/messages/dialect.hpp"
+#include "spikeloop/messages/catalog.hpp"
 
 namespace spikeloop::messages {
 
@@ -23,5 +25,10 @@ struct Schema {
 
 /// @throws ConfigurationError as Catalog::for_type().
 Schema schema_of(Dialect dialect, std::string_view type);
+
+/// The definition of a schema, without the last fields if the message of an older version lacks
+/// them (Humble's Range).
+std::string definition_for(const Schema& schema, const TypeLayout& type,
+                           std::span<const std::byte> message);
 
 }  // namespace spikeloop::messages
