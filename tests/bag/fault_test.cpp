@@ -1,6 +1,5 @@
 // Files that cannot be written, damaged ones, and such as are no recordings.
 #include <gmock/gmock.h>
-#include <rosbag/bag.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -10,7 +9,6 @@
 #include "spikeloop/bag/reader.hpp"
 #include "spikeloop/bag/recorder.hpp"
 #include "spikeloop/core/error.hpp"
-#include "tests/bag/ros1_text.hpp"
 #include "tests/support/fault.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -51,7 +49,6 @@ class BagFaults : public testing::Test {
     });
     return error == "no error" ? std::to_string(count) : error;
   }
-  std::string reading_bag() const { return reading("x.bag"); }
 
   /// 4000 of them are several chunks. Random letters, which nothing compresses.
   void write_good(TimeNs messages = 4000) const {
@@ -66,14 +63,6 @@ class BagFaults : public testing::Test {
       recorder.take(channel, i, text);
     }
     EXPECT_EQ(recorder.close().error, "");
-  }
-  void write_good_bag(std::uint32_t messages = 2000) const {
-    rosbag::Bag bag(path("x.bag"), rosbag::bagmode::Write);
-    bag.setChunkThreshold(1 << 16);
-    const test::Ros1Text text{std::string(1000, 'x')};
-    for (std::uint32_t i = 0; i < messages; ++i) {
-      bag.write("/x", ros::Time(1, i), text);
-    }
   }
 
   test::TemporaryDirectory directory_;
@@ -194,68 +183,6 @@ TEST_F(BagFaults, WrongBytesAnywhere) {
         << trial;
   }
   EXPECT_GT(damaged, 120);
-}
-
-TEST_F(BagFaults, BagThatWasNotEnded) {
-  // Its header still says that there is no index, as rosbag writes it at the beginning.
-  write_good_bag();
-  const std::string whole = directory_.read("x.bag");
-  const auto index = whole.find("index_pos=") + 10;
-  directory_.write("x.bag",
-                   whole.substr(0, index) + std::string(8, '\0') + whole.substr(index + 8));
-  EXPECT_EQ(reading_bag(), "'" + path("x.bag") +
-                               "' has no index, because its recording was not ended; write  rosbag "
-                               "reindex " +
-                               path("x.bag") + " [SL0109]");
-}
-
-TEST_F(BagFaults, BagThatIsCutOff) {
-  write_good_bag();
-  EXPECT_EQ(reading_bag(), "2000");
-  const std::string whole = directory_.read("x.bag");
-  for (std::size_t part = 1; part < 20; ++part) {
-    directory_.write("x.bag", whole.substr(0, 13 + (whole.size() - 13) * part / 20));
-    EXPECT_THAT(reading_bag(),
-                AllOf(StartsWith("'" + path("x.bag") + "' is damaged: "),
-                      EndsWith("'rosbag check' and 'rosbag reindex' may help [SL0109]")))
-        << part;
-  }
-}
-
-TEST_F(BagFaults, BagWhoseIndexLeadsElsewhere) {
-  write_good_bag(3);
-  std::string bag = directory_.read("x.bag");
-  const auto count = bag.find(std::string("\x0a\0\0\0count=", 10));
-  // Behind it the fields op and ver may follow; then come the entries: time and offset.
-  const auto index = bag.find(std::string("\x24\0\0\0", 4), count) + 4;
-  for (const auto& [offset, reason] :
-       {std::pair{'\x7f', "its index leads outside of a chunk"},
-        std::pair{'\0', "its index leads to something that is not a message"}}) {
-    for (std::size_t i = 8; i < 12; ++i) {
-      bag[index + i] = offset;
-    }
-    directory_.write("x.bag", bag);
-    EXPECT_THAT(reading_bag(), HasSubstr(std::string("is damaged: ") + reason));
-  }
-}
-
-/// rosbag's own reader would end the process.
-TEST_F(BagFaults, WrongBytesAnywhereInABag) {
-  write_good_bag(20);
-  const std::string whole = directory_.read("x.bag");
-  std::mt19937 random(1);
-  int damaged = 0;
-  for (int trial = 0; trial < 200; ++trial) {
-    std::string bag = whole;
-    const std::size_t at = 13 + random() % (whole.size() - 13);
-    // Text of the messages fills most of the bag, and any byte is good there.
-    bag[trial % 2 == 0 ? at : whole.size() - 1 - at % 1500] = static_cast<char>(random());
-    directory_.write("x.bag", bag);
-    const std::string result = reading_bag();
-    damaged += result == "20" ? 0 : 1;
-    EXPECT_THAT(result, AnyOf(MatchesRegex("[0-9]+"), HasSubstr("x.bag"))) << trial;
-  }
-  EXPECT_GT(damaged, 8);
 }
 
 }  // namespace

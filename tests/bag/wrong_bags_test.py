@@ -5,12 +5,17 @@ import pathlib
 import sys
 import tempfile
 
+import numpy as np
 import rosbag
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Float64
 
 import bags
 import runs
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "python"))
+import spikeloop  # noqa: E402
+from spikeloop.run_folder import RunFolderError  # noqa: E402
 
 
 def other_version(path):
@@ -98,7 +103,47 @@ def main():
         runs.refused("x.yaml:3:14: an exported job has no bag in the robot's place; write  ros: 1, and play it "
                      "with  rosbag play", "export", scratch / "x.yaml", "--out", scratch / "job")
         own_folder(scratch)
+        damaged_bags(scratch)
     print(number, "wrong bags are refused")
+
+
+def messages_in(path):
+    """Number of the messages of a bag, or the error."""
+    try:
+        return len(spikeloop.read_messages(path, "/scan"))
+    except RunFolderError as error:
+        assert str(path) in str(error), error
+        return str(error)
+
+
+def damaged_bags(scratch):
+    """Whatever its bytes are, a bag is read or refused."""
+    bag = scratch / "damaged.bag"
+    for compression in (rosbag.Compression.NONE, rosbag.Compression.BZ2, rosbag.Compression.LZ4):
+        messages = [(i * 10**7, message) for i, message in enumerate(bags.arena(200))]
+        whole = bags.write(bag, messages, compression=compression, chunk_threshold=2000).read_bytes()
+        assert messages_in(bag) == 200
+        for part in range(1, 20):
+            bag.write_bytes(whole[:13 + (len(whole) - 13) * part // 20])
+            error = messages_in(bag)
+            assert error.startswith(f"'{bag}' is damaged: ") and error.endswith(
+                "'rosbag check' and 'rosbag reindex' may help [SL0109]"), (part, error)
+        random, refused = np.random.default_rng(1), 0
+        for trial in range(200):
+            wrong = bytearray(whole)
+            # Half of them behind the messages.
+            place = random.integers(13, len(whole)) if trial % 2 else len(whole) - 1 - random.integers(1500)
+            wrong[place] = random.integers(256)
+            bag.write_bytes(wrong)
+            refused += messages_in(bag) != 200
+        assert refused > 10, refused
+    # Its header still says that there is no index, as rosbag writes it at the beginning.
+    index = whole.index(b"index_pos=") + 10
+    bag.write_bytes(whole[:index] + bytes(8) + whole[index + 8:])
+    assert messages_in(bag) == (f"'{bag}' has no index, because its recording was not ended; write  rosbag reindex {bag} "
+                                "[SL0109]")
+    bag.write_bytes(whole.replace(b"#ROSBAG V2.0", b"#ROSBAG V1.2"))
+    runs.assert_says(messages_in(bag), f"is a bag of a format before 2.0; write  rosbag filter {bag} NEW.bag True")
 
 
 def own_folder(scratch):

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "chunks.hpp"
 #include "cursor.hpp"
 #include "mcap_format.hpp"
 #include "source.hpp"
@@ -13,12 +14,9 @@
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/schema.hpp"
-#include "unpack.hpp"
 
 namespace spikeloop::bag::mcap {
 namespace {
-
-constexpr std::uint64_t kLargestChunk = 1'000'000'000;  // bytes; writers begin another after 1 MB
 
 struct Record {
   Op op;
@@ -38,66 +36,25 @@ std::optional<Record> next_record(Cursor& cursor) {
   return Record{op, cursor.take(length)};
 }
 
-struct Chunk {
-  std::string_view stored;
-  std::string_view compression;
-  std::uint64_t size;
-
-  bool is_plain() const { return compression.empty() || compression == "none"; }
-};
-
 struct Schema {
   std::string name;
   std::string encoding;
   std::string text;
 };
 
-/// Messages refer to chunks. A message outside of a chunk is a chunk by itself.
-struct File {
-  explicit File(const std::string& path, std::string its_name)
-      : name(std::move(its_name)), mapping(path) {}
-
-  std::string name;
-  Mapping mapping;
-  std::vector<Chunk> chunks;
-};
-
-[[noreturn]] void damaged(const std::string& path, const std::string& why) {
-  throw FileError(with_code(Code::no_access, "'{}' is damaged: {}", path, why));
-}
-
 constexpr std::size_t kMessageHead = 22;  // bytes: channel, number, two times
 
-class McapBytes : public Bytes {
- public:
-  explicit McapBytes(std::shared_ptr<const File> file) : file_(std::move(file)) {}
-
-  std::span<const std::byte> read(const Place& place) override {
-    const Chunk& chunk = file_->chunks[place.block];
-    if (!chunk.is_plain() && place.block != unpacked_) {
-      try {
-        bytes_ = unpack_chunk(chunk.compression, chunk.stored, chunk.size);
-      } catch (const std::runtime_error& error) {
-        damaged(file_->name, error.what());  // the file has changed since it was opened
-      }
-      unpacked_ = place.block;
-    }
-    Cursor cursor((chunk.is_plain() ? chunk.stored : bytes_.view()).substr(place.position));
-    Cursor message(next_record(cursor)->content);
-    message.take(kMessageHead);
-    return std::as_bytes(std::span(message.rest()));
-  }
-
- private:
-  std::shared_ptr<const File> file_;
-  Buffer bytes_;
-  std::uint32_t unpacked_ = std::numeric_limits<std::uint32_t>::max();
-};
+std::string_view message_at(std::string_view bytes) {
+  Cursor cursor(bytes);
+  Cursor message(next_record(cursor)->content);
+  message.take(kMessageHead);
+  return message.rest();
+}
 
 class McapFile : public Source {
  public:
   McapFile(const std::string& path, const std::string& name)
-      : Source(name), file_(std::make_shared<File>(path, name)) {
+      : Source(name), file_(std::make_shared<ChunkedFile>(path, name)) {
     const std::string_view bytes = file_->mapping.bytes();
     const bool is_closed = bytes.ends_with(kMagic) && bytes.size() > kMagic.size();
     bool is_whole = false;
@@ -107,7 +64,7 @@ class McapFile : public Source {
       throw;
     } catch (const std::runtime_error& error) {
       if (is_closed) {
-        damaged(name, error.what());
+        fail_damaged(name, error.what());
       }
     }
     keep_used_connections();
@@ -116,7 +73,9 @@ class McapFile : public Source {
     }
   }
 
-  std::unique_ptr<Bytes> bytes() const override { return std::make_unique<McapBytes>(file_); }
+  std::unique_ptr<Bytes> bytes() const override {
+    return std::make_unique<ChunkBytes>(file_, message_at);
+  }
 
  private:
   /// True if the file has its end.
@@ -154,19 +113,16 @@ class McapFile : public Source {
     const auto sum = cursor.number();
     chunk.compression = cursor.text();
     chunk.stored = cursor.text<std::uint64_t>();
-    if (chunk.size > kLargestChunk || (chunk.is_plain() && chunk.size != chunk.stored.size())) {
-      throw std::runtime_error(fmt::format("a chunk says that it has {} bytes", chunk.size));
-    }
     require_known(chunk.compression);
-    Buffer unpacked;
-    if (!chunk.is_plain()) {
-      unpacked = unpack_chunk(chunk.compression, chunk.stored, chunk.size);
-    }
-    const std::string_view bytes = chunk.is_plain() ? chunk.stored : unpacked.view();
-    if (sum != 0 && sum != checksum(bytes)) {
-      throw std::runtime_error("the checksum of a chunk is wrong");
-    }
-    file_->chunks.push_back(chunk);
+    add_chunk(*file_, chunk, [&](std::string_view bytes) {
+      if (sum != 0 && sum != checksum(bytes)) {
+        throw std::runtime_error("the checksum of a chunk is wrong");
+      }
+      read_records(bytes);
+    });
+  }
+
+  void read_records(std::string_view bytes) {
     Cursor records(bytes);
     while (!records.at_end()) {
       const std::size_t position = bytes.size() - records.left();
@@ -250,20 +206,6 @@ class McapFile : public Source {
     return result;
   }
 
-  void keep_used_connections() {
-    std::vector<std::uint32_t> index(connections_.size(), kUnused);
-    std::vector<Connection> used;
-    for (Place& place : places_) {
-      std::uint32_t& now = index[place.connection];
-      if (now == kUnused) {
-        now = static_cast<std::uint32_t>(used.size());
-        used.push_back(connections_[place.connection]);
-      }
-      place.connection = now;
-    }
-    connections_ = std::move(used);
-  }
-
   void warn_of_end() {
     const auto by_time = [](const Place& a, const Place& b) { return a.time < b.time; };
     const auto [first, last] = std::ranges::minmax_element(places_, by_time);
@@ -276,9 +218,7 @@ class McapFile : public Source {
     return std::ranges::all_of(connections_, [](const auto& one) { return !one.node.empty(); });
   }
 
-  static constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
-
-  std::shared_ptr<File> file_;
+  std::shared_ptr<ChunkedFile> file_;
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, std::uint32_t> channels_;  ///< their connections
 };

@@ -88,6 +88,25 @@ std::unique_ptr<Source> open_part(const std::string& path) {
 
 }  // namespace
 
+void Source::keep_used_connections() {
+  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> index(connections_.size(), kUnused);
+  std::vector<Connection> used;
+  for (Place& place : places_) {
+    std::uint32_t& now = index[place.connection];
+    if (now == kUnused) {
+      now = static_cast<std::uint32_t>(used.size());
+      used.push_back(connections_[place.connection]);
+    }
+    place.connection = now;
+  }
+  connections_ = std::move(used);
+}
+
+void fail_damaged(const std::string& name, std::string_view why, std::string_view remedy) {
+  throw FileError(with_code(Code::no_access, "'{}' is damaged: {}{}", name, why, remedy));
+}
+
 void set_dialect(Connection& connection) {
   if (connection.encoding == messages::kRos1) {
     connection.dialect = messages::Dialect::ros1;
@@ -306,8 +325,7 @@ struct Stream::Impl {
     try {
       unpacked = unpack_message(mcap::as_text(message));
     } catch (const std::runtime_error& error) {
-      throw FileError(
-          with_code(Code::no_access, "'{}' is damaged: {}", recording->file(part), error.what()));
+      fail_damaged(recording->file(part), error.what());
     }
     return std::as_bytes(std::span(unpacked));
   }

@@ -1,160 +1,160 @@
-// Bags of ROS 1, by its own library.
+// Bags of ROS 1 (http://wiki.ros.org/Bags/Format/2.0), read from the first record to the last. A
+// record is a header of fields, which contain their lengths, and data.
 #include <fmt/format.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 
-#include <algorithm>
 #include <map>
 
+#include "chunks.hpp"
 #include "source.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/processes/trial.hpp"
-#include "structure.hpp"
+#include "spikeloop/messages/schema.hpp"
 
-namespace spikeloop::bag {
+namespace spikeloop::bag::ros1 {
 namespace {
 
-/// While it lives, rosbag prints nothing of what it throws as well.
-class Quiet {
- public:
-  Quiet() : before_(console_bridge::getLogLevel()) {
-    console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
-  }
-  ~Quiet() { console_bridge::setLogLevel(before_); }
-  Quiet(const Quiet&) = delete;
-  Quiet& operator=(const Quiet&) = delete;
+constexpr std::string_view kVersion = "#ROSBAG V2.0\n";
 
- private:
-  console_bridge::LogLevel before_;
-};
+enum class Op : std::uint8_t { message = 2, file_header, index, chunk, chunk_info, connection };
 
-/// What rosbag throws as an error of ours. A damaged file gives any exception.
-template <typename Work>
-auto reading(const std::string& path, Work&& work) {
-  const Quiet quiet;
-  try {
-    return work();
-  } catch (const Error&) {
-    throw;
-  } catch (const rosbag::BagUnindexedException&) {
-    throw FileError(with_code(
-        Code::no_access,
-        "'{0}' has no index, because its recording was not ended; write  rosbag reindex {0}",
-        path));
-  } catch (const std::exception& error) {
-    throw FileError(with_code(Code::no_access,
-                              "'{}' is damaged: {}; 'rosbag check' and 'rosbag reindex' may help",
-                              path, error.what()));
+/// "name=value" of a header; nullopt if there is no such field.
+std::optional<std::string_view> find_field(std::string_view header, std::string_view name) {
+  Cursor fields(header);
+  while (!fields.at_end()) {
+    const std::string_view field = fields.text();
+    if (field.starts_with(name) && field.substr(name.size()).starts_with('=')) {
+      return field.substr(name.size() + 1);
+    }
   }
+  return std::nullopt;
 }
 
-/// MessageInstance writes itself into this.
-struct ByteSink {
-  std::vector<std::byte>* bytes;
-  std::uint8_t* advance(std::size_t size) const {
-    bytes->resize(size);
-    return reinterpret_cast<std::uint8_t*>(bytes->data());
+struct Record {
+  std::string_view header;
+  std::string_view data;
+
+  template <typename Number = std::uint32_t>
+  Number number(std::string_view name) const {
+    return Cursor(find_field(header, name).value_or("")).number<Number>();
   }
-};
-
-struct Opened {
-  std::string path;
-  rosbag::Bag bag;
-  std::vector<rosbag::MessageInstance> messages;  ///< a Place's position is an index
-};
-
-class Ros1Bytes : public Bytes {
- public:
-  explicit Ros1Bytes(std::shared_ptr<const Opened> opened) : opened_(std::move(opened)) {}
-
-  std::span<const std::byte> read(const Place& place) override {
-    return reading(opened_->path, [&] {
-      bytes_.clear();
-      ByteSink sink{&bytes_};
-      opened_->messages[place.position].write(sink);
-      return std::span<const std::byte>(bytes_);
-    });
+  std::string text(std::string_view name) const {
+    return std::string(find_field(header, name).value_or(""));
   }
-
- private:
-  std::shared_ptr<const Opened> opened_;
-  std::vector<std::byte> bytes_;
+  Op op() const { return static_cast<Op>(number<std::uint8_t>("op")); }
 };
+
+Record next_record(Cursor& cursor) {
+  const std::string_view header = cursor.text();
+  return {header, cursor.text()};
+}
+
+std::string_view message_at(std::string_view bytes) {
+  Cursor cursor(bytes);
+  return next_record(cursor).data;
+}
+
+[[noreturn]] void fail_index(const std::string& name) {
+  throw FileError(with_code(
+      Code::no_access,
+      "'{0}' has no index, because its recording was not ended; write  rosbag reindex {0}", name));
+}
 
 class Ros1Bag : public Source {
  public:
-  Ros1Bag(const std::string& path, const std::string& name) : Source(name) {
-    opened_->path = name;
-    reading(name, [&] { open(path); });
+  Ros1Bag(const std::string& path, const std::string& name)
+      : Source(name), file_(std::make_shared<ChunkedFile>(path, name)) {
+    if (!file_->mapping.bytes().starts_with(kVersion)) {
+      throw FileError(with_code(Code::no_access,
+                                "'{0}' is a bag of a format before 2.0; write  rosbag filter {0} "
+                                "NEW.bag True  and the path of the result",
+                                name));
+    }
+    try {
+      read();
+    } catch (const FileError&) {
+      throw;
+    } catch (const std::runtime_error& error) {
+      fail_damaged(name, error.what(), "; 'rosbag check' and 'rosbag reindex' may help");
+    }
+    keep_used_connections();
   }
 
-  std::unique_ptr<Bytes> bytes() const override { return std::make_unique<Ros1Bytes>(opened_); }
+  std::unique_ptr<Bytes> bytes() const override {
+    return std::make_unique<ChunkBytes>(file_, message_at);
+  }
 
  private:
-  void open(const std::string& path) {
-    BagStructure structure = check_structure(path);
-    if (!structure.has_index) {
-      throw rosbag::BagUnindexedException();
+  void read() {
+    const std::string_view bytes = file_->mapping.bytes();
+    Cursor cursor(bytes);
+    cursor.take(kVersion.size());
+    const auto index = next_record(cursor).number<std::uint64_t>("index_pos");
+    if (index == 0) {
+      fail_index(path_);
     }
-    try_in_a_copy(path, "rosbag", [&] {
-      rosbag::Bag bag(path, rosbag::bagmode::Read);
-      const rosbag::View view(bag);
-    });
-    opened_->bag.open(path, rosbag::bagmode::Read);
-    rosbag::View view(opened_->bag);
-    // Connections are told apart by the address of their topic: a message has no other access.
-    std::map<const std::string*, std::uint32_t> indexes;
-    std::vector<std::vector<BagPosition>> positions;
-    for (const rosbag::ConnectionInfo* info : view.getConnections()) {
-      indexes[&info->topic] = static_cast<std::uint32_t>(connections_.size());
-      positions.push_back(std::move(structure.positions[info->id]));
-      connections_.push_back({.topic = info->topic,
-                              .type = info->datatype,
-                              .encoding = std::string(messages::kRos1),
-                              .dialect = messages::Dialect::ros1,
-                              .version = info->md5sum,
-                              .schema = {std::string(messages::kRos1), info->datatype,
-                                         std::string(messages::kRos1Definition), info->msg_def}});
-    }
-    for (const rosbag::MessageInstance& message : view) {
-      places_.push_back({static_cast<TimeNs>(message.getTime().toNSec()),
-                         indexes.at(&message.getTopic()), 0, opened_->messages.size()});
-      opened_->messages.push_back(message);
-    }
-    sort_as_recorded(std::move(positions));
-  }
-
-  /// rosbag gives the messages by time. Messages of a connection at the same time stay in order, so
-  /// that the n-th one is the n-th of the index by time.
-  void sort_as_recorded(std::vector<std::vector<BagPosition>> positions) {
-    using Key = std::pair<std::uint64_t, std::uint32_t>;
-    std::vector<std::pair<Key, Place>> keyed;
-    std::vector<std::size_t> used(positions.size());
-    for (auto& of_connection : positions) {
-      std::ranges::stable_sort(of_connection, {}, [](const BagPosition& one) {
-        return std::pair(one.seconds, one.nanoseconds);
-      });
-    }
-    for (const Place& place : places_) {
-      const auto& of_connection = positions[place.connection];
-      if (used[place.connection] == of_connection.size()) {
-        return;  // an older format: by time
+    bool has_index = index == bytes.size();
+    while (!cursor.at_end()) {
+      has_index |= bytes.size() - cursor.left() == index;
+      const Record record = next_record(cursor);
+      if (record.op() == Op::chunk) {
+        const Chunk chunk{record.data, find_field(record.header, "compression").value_or(""),
+                          record.number("size")};
+        add_chunk(*file_, chunk, [&](std::string_view unpacked) { read_chunk(unpacked); });
+      } else if (record.op() == Op::connection) {
+        add_connection(record);
       }
-      const BagPosition& at = of_connection[used[place.connection]++];
-      keyed.emplace_back(Key{at.chunk, at.offset}, place);
     }
-    std::ranges::stable_sort(keyed, {}, &std::pair<Key, Place>::first);
-    std::ranges::transform(keyed, places_.begin(), &std::pair<Key, Place>::second);
+    if (!has_index) {
+      throw std::runtime_error("its index is not where it should be");
+    }
   }
 
-  std::shared_ptr<Opened> opened_ = std::make_shared<Opened>();
+  void read_chunk(std::string_view bytes) {
+    Cursor cursor(bytes);
+    while (!cursor.at_end()) {
+      const std::size_t position = bytes.size() - cursor.left();
+      const Record record = next_record(cursor);
+      if (record.op() == Op::connection) {
+        add_connection(record);
+      } else if (record.op() == Op::message) {
+        const auto connection = indexes_.find(record.number("conn"));
+        if (connection == indexes_.end()) {
+          throw std::runtime_error("a message belongs to no connection");
+        }
+        const auto time = record.number<std::uint64_t>("time");  // seconds, nanoseconds
+        places_.push_back({kNsPerSecond * static_cast<TimeNs>(time & 0xffff'ffff) +
+                               static_cast<TimeNs>(time >> 32),
+                           connection->second, static_cast<std::uint32_t>(file_->chunks.size() - 1),
+                           position});
+      }
+    }
+  }
+
+  void add_connection(const Record& record) {
+    const auto index = static_cast<std::uint32_t>(connections_.size());
+    if (!indexes_.try_emplace(record.number("conn"), index).second) {
+      return;  // the index repeats it
+    }
+    const Record described{record.data, {}};
+    const std::string type = described.text("type");
+    connections_.push_back(
+        {.topic = record.text("topic"),
+         .type = type,
+         .encoding = std::string(messages::kRos1),
+         .dialect = messages::Dialect::ros1,
+         .version = described.text("md5sum"),
+         .schema = {std::string(messages::kRos1), type, std::string(messages::kRos1Definition),
+                    described.text("message_definition")}});
+  }
+
+  std::shared_ptr<ChunkedFile> file_;
+  std::map<std::uint32_t, std::uint32_t> indexes_;  ///< of connections
 };
 
 }  // namespace
+}  // namespace spikeloop::bag::ros1
 
-std::unique_ptr<Source> open_ros1_bag(const std::string& path, const std::string& name) {
-  return std::make_unique<Ros1Bag>(path, name);
+std::unique_ptr<spikeloop::bag::Source> spikeloop::bag::open_ros1_bag(const std::string& path,
+                                                                      const std::string& name) {
+  return std::make_unique<ros1::Ros1Bag>(path, name);
 }
-
-}  // namespace spikeloop::bag

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -40,7 +41,7 @@ class Source {
   virtual ~Source() = default;
 
   const std::string& path() const { return path_; }
-  /// In MCAP and SQLite only those that have messages.
+  /// Only those that have messages.
   const std::vector<Connection>& connections() const { return connections_; }
   /// All messages in the order of the file. The second call returns none.
   std::vector<Place> take_places() { return std::exchange(places_, {}); }
@@ -49,6 +50,8 @@ class Source {
   virtual std::unique_ptr<Bytes> bytes() const = 0;
 
  protected:
+  void keep_used_connections();
+
   std::string path_;
   std::vector<Connection> connections_;
   std::vector<Place> places_;
@@ -61,6 +64,9 @@ std::unique_ptr<Source> open_ros1_bag(const std::string& path, const std::string
 std::unique_ptr<Source> open_mcap(const std::string& path, const std::string& name);
 std::unique_ptr<Source> open_sqlite(const std::string& path, const std::string& name);
 
+/// @param remedy begins with "; "
+[[noreturn]] void fail_damaged(const std::string& name, std::string_view why,
+                               std::string_view remedy = {});
 /// "sensor_msgs/LaserScan" of "sensor_msgs/msg/LaserScan" or "sensor_msgs::msg::LaserScan".
 std::string without_msg(std::string name);
 /// Sets the dialect of a connection from its encoding.

@@ -22,10 +22,7 @@ namespace spikeloop::bag::sqlite {
 namespace {
 
 [[noreturn]] void refuse(const std::string& name, std::string_view why) {
-  throw FileError(with_code(Code::no_access,
-                            "'{0}' is damaged: {1}; 'sqlite3 {0} .recover | sqlite3 NEW.db3' may "
-                            "help",
-                            name, why));
+  fail_damaged(name, why, fmt::format("; 'sqlite3 {} .recover | sqlite3 NEW.db3' may help", name));
 }
 
 /// The error of the last call.
@@ -187,7 +184,8 @@ class SqliteFile : public Source {
     Query query(*database_, fmt::format("SELECT id, name, type, serialization_format{} FROM topics",
                                         has_hash ? ", type_description_hash" : ""));
     while (query.next()) {
-      Connection& connection = topics_[query.number(0)];
+      topics_[query.number(0)] = static_cast<std::uint32_t>(connections_.size());
+      Connection& connection = connections_.emplace_back();
       connection.topic = query.text(1);
       connection.type = without_msg(query.text(2));
       connection.encoding = query.text(3);
@@ -198,7 +196,6 @@ class SqliteFile : public Source {
   }
 
   void read_places() {
-    std::map<std::int64_t, std::uint32_t> indexes;
     Query query(*database_, "SELECT id, topic_id, timestamp FROM messages ORDER BY id");
     while (query.next()) {
       const auto topic = topics_.find(query.number(1));
@@ -208,18 +205,14 @@ class SqliteFile : public Source {
       if (query.number(2) < 0) {
         refuse(path_, "the time of a message is out of range");
       }
-      const auto [index, is_new] =
-          indexes.try_emplace(topic->first, static_cast<std::uint32_t>(connections_.size()));
-      if (is_new) {
-        connections_.push_back(topic->second);
-      }
       places_.push_back(
-          {query.number(2), index->second, 0, static_cast<std::uint64_t>(query.number(0))});
+          {query.number(2), topic->second, 0, static_cast<std::uint64_t>(query.number(0))});
     }
+    keep_used_connections();
   }
 
   std::shared_ptr<const Database> database_;
-  std::map<std::int64_t, Connection> topics_;
+  std::map<std::int64_t, std::uint32_t> topics_;  ///< their connections
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "unpack.hpp"
 
+#include <bzlib.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <lz4.h>
@@ -122,6 +123,14 @@ Buffer unpack_chunk(std::string_view compression, std::string_view stored, std::
   if (compression == "zstd") {
     // Returns the size of all frames.
     if (ZSTD_decompress(bytes.data(), bytes.size(), stored.data(), stored.size()) != size) {
+      throw std::runtime_error(kDamaged);
+    }
+  } else if (compression == "bz2") {
+    auto unpacked = static_cast<unsigned>(size);
+    // BZ2 does not write to its input.
+    if (BZ2_bzBuffToBuffDecompress(bytes.data(), &unpacked, const_cast<char*>(stored.data()),
+                                   static_cast<unsigned>(stored.size()), 0, 0) != BZ_OK ||
+        unpacked != size) {
       throw std::runtime_error(kDamaged);
     }
   } else if (is_lz4_frame(stored)) {

@@ -24,8 +24,8 @@ class Buffer {
   std::size_t size_ = 0;
 };
 
-/// Unpacks a chunk of an MCAP file by "zstd" or "lz4". It may consist of several frames, and frames
-/// need not state their size. "lz4" may also be a block without a frame.
+/// Unpacks a chunk of an MCAP file or a bag by "zstd", "lz4" or "bz2". It may consist of several
+/// frames, and frames need not state their size. "lz4" may also be a block without a frame.
 /// @throws std::runtime_error: damaged, or not `size` bytes
 Buffer unpack_chunk(std::string_view compression, std::string_view stored, std::uint64_t size);
 
