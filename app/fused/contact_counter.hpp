@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "spikeloop/messages/field_view.hpp"
+#include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/topics/session.hpp"
 #include "spikeloop/vehicle/collision_counter.hpp"
 

@@ -15,6 +15,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/images/pixels.hpp"
 #include "spikeloop/messages/columns.hpp"
+#include "spikeloop/messages/number.hpp"
 
 namespace py = pybind11;
 
@@ -23,31 +24,17 @@ namespace {
 
 using messages::Primitive;
 
-const char* numpy_type(Primitive primitive) {
-  switch (primitive) {
-    case Primitive::boolean:
-      return "?";
-    case Primitive::int8:
-      return "i1";
-    case Primitive::uint8:
-      return "u1";
-    case Primitive::int16:
-      return "<i2";
-    case Primitive::uint16:
-      return "<u2";
-    case Primitive::int32:
-      return "<i4";
-    case Primitive::uint32:
-      return "<u4";
-    case Primitive::int64:
-      return "<i8";
-    case Primitive::uint64:
-      return "<u8";
-    case Primitive::float32:
-      return "<f4";
-    default:
-      return "<f8";
-  }
+/// Times are float64.
+std::string numpy_type(Primitive primitive) {
+  return with_number(
+      messages::is_time(primitive) ? Primitive::float64 : primitive, []<typename T>(T /*type*/) {
+        return std::is_same_v<T, bool> ? std::string("?")
+                                       : fmt::format("<{}{}",
+                                                     std::is_floating_point_v<T> ? 'f'
+                                                     : std::is_signed_v<T>       ? 'i'
+                                                                                 : 'u',
+                                                     sizeof(T));
+      });
 }
 
 /// An array that owns these values.

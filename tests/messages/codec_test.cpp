@@ -13,7 +13,6 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/field_path.hpp"
-#include "spikeloop/messages/field_view.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 
 namespace {

@@ -5,8 +5,8 @@
 
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/event_array.hpp"
+#include "spikeloop/messages/event_decoder.hpp"
 #include "spikeloop/messages/field_path.hpp"
-#include "spikeloop/messages/field_view.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/temporary_directory.hpp"
 
@@ -89,7 +89,7 @@ TEST(EventOracle, genpy_writes_the_packets_that_are_read) {
   TextField(catalog, type, "encoding").read(bytes, texts);
   TextField(catalog, type, "header.frame_id").read(bytes, texts);
   EXPECT_EQ(texts, (std::vector<std::string_view>{"evt3", "camera"}));
-  const auto events = BytesField(catalog, type, "events").read(bytes);
+  const auto events = read_event_packet(Dialect::ros1, bytes).events;
   ASSERT_EQ(events.size(), 256u);
   for (std::size_t i = 0; i < events.size(); ++i) {
     EXPECT_EQ(events[i], static_cast<std::byte>(i));

@@ -1,5 +1,5 @@
 // event_camera_msgs/EventPacket as channels, in both dialects.
-#include "spikeloop/messages/event_packet.hpp"
+#include "spikeloop/messages/event_decoder.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,7 +4,6 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/field_path.hpp"
-#include "spikeloop/messages/field_view.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 #include "tests/support/fault.hpp"
 

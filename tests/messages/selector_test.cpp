@@ -4,7 +4,6 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/field_path.hpp"
-#include "spikeloop/messages/field_view.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
 #include "tests/support/error_of.hpp"
@@ -184,47 +183,10 @@ TEST_P(Selectors, damaged_texts_lead_nowhere) {
   }
 }
 
-TEST_P(Selectors, bytes_are_seen_where_they_stand) {
-  const Bytes image = message(catalog(), "sensor_msgs/Image",
-                              {{"header.frame_id", {}, "camera"},
-                               {"encoding", {}, "mono8"},
-                               {"height", {1}},
-                               {"data", {1, 2, 255}}});
-  const BytesField data(catalog(), "sensor_msgs/Image", "data");
-  const auto bytes = data.read(image);
-  EXPECT_THAT(bytes, ElementsAre(std::byte{1}, std::byte{2}, std::byte{255}));
-  EXPECT_GE(bytes.data(), image.data());
-  EXPECT_EQ(bytes.data() + bytes.size(), image.data() + image.size());
-  EXPECT_THAT(BytesField(catalog(), "sensor_msgs/Image", "data[1:]").read(image),
-              ElementsAre(std::byte{2}, std::byte{255}));
-  EXPECT_TRUE(BytesField(catalog(), "sensor_msgs/Image", "data[7:9]").read(image).empty());
-  EXPECT_THAT(texts(catalog(), "sensor_msgs/Image", "encoding", image), ElementsAre("mono8"));
-  EXPECT_THAT(texts(catalog(), "sensor_msgs/Image", "header.frame_id", image),
-              ElementsAre("camera"));
-  const Bytes cut(image.begin(), image.end() - 1);
-  EXPECT_THROW(data.read(cut), spikeloop::TransportError);
-}
-
-TEST_P(Selectors, bytes_are_of_one_array) {
-  const auto error = [&](const char* type, const char* path) {
-    return error_of([&] { BytesField(catalog(), type, path); });
-  };
-  EXPECT_EQ(error("sensor_msgs/Image", "height"),
-            "field path 'height' of sensor_msgs/Image: it names no array of bytes; name one, as in "
-            "data of sensor_msgs/Image [SL0504]");
-  EXPECT_THAT(error("sensor_msgs/LaserScan", "ranges"),
-              Fault("field path 'ranges' of sensor_msgs/LaserScan: ... name one ... "
-                    "sensor_msgs/Image ... [SL0504]"));
+TEST_P(Selectors, texts_are_not_numbers) {
   EXPECT_EQ(error_of([&] { TextField(catalog(), "sensor_msgs/Image", "height"); }),
             "field path 'height' of sensor_msgs/Image: a number is not text; name a field of type "
             "string [SL0504]");
-  Catalog own = catalog();
-  own.add("my_msgs/Film", "sensor_msgs/CompressedImage[] pictures\n");
-  EXPECT_EQ(
-      error_of([&] { BytesField(own, "my_msgs/Film", "pictures.data"); }),
-      "field path 'pictures.data' of my_msgs/Film: it names several arrays of bytes; name one "
-      "element of each array on the way, as in [0] [SL0504]");
-  EXPECT_EQ(error_of([&] { BytesField(own, "my_msgs/Film", "pictures[3].data"); }), "no error");
 }
 
 INSTANTIATE_TEST_SUITE_P(Ros, Selectors, testing::Values(Dialect::ros1, Dialect::ros2),

@@ -200,7 +200,7 @@ class McapFile : public Source {
       }
     }
     const auto& [name, encoding, text] = schema == schemas_.end() ? Schema{} : schema->second;
-    result.type = without_msg(name);
+    result.type = messages::without_msg(name);
     result.schema = {result.encoding, name, encoding, text};
     set_dialect(result);
     return result;

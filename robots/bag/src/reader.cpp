@@ -115,16 +115,6 @@ void set_dialect(Connection& connection) {
   }
 }
 
-std::string without_msg(std::string name) {
-  for (auto colons = name.find("::"); colons != std::string::npos; colons = name.find("::")) {
-    name.replace(colons, 2, "/");
-  }
-  if (const auto middle = name.find("/msg/"); middle != std::string::npos) {
-    name.erase(middle, 4);
-  }
-  return name;
-}
-
 /// All files of a recording as one.
 class Recording {
  public:

@@ -67,8 +67,6 @@ std::unique_ptr<Source> open_sqlite(const std::string& path, const std::string& 
 /// @param remedy begins with "; "
 [[noreturn]] void fail_damaged(const std::string& name, std::string_view why,
                                std::string_view remedy = {});
-/// "sensor_msgs/LaserScan" of "sensor_msgs/msg/LaserScan" or "sensor_msgs::msg::LaserScan".
-std::string without_msg(std::string name);
 /// Sets the dialect of a connection from its encoding.
 void set_dialect(Connection& connection);
 

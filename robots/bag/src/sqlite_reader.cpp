@@ -187,7 +187,7 @@ class SqliteFile : public Source {
       topics_[query.number(0)] = static_cast<std::uint32_t>(connections_.size());
       Connection& connection = connections_.emplace_back();
       connection.topic = query.text(1);
-      connection.type = without_msg(query.text(2));
+      connection.type = messages::without_msg(query.text(2));
       connection.encoding = query.text(3);
       connection.version = has_hash ? query.text(4) : "";
       connection.schema = schemas[query.text(2)];

@@ -130,6 +130,14 @@ Planes planes_of(const ImageView& image, Layout layout) {
   return {image.step, chroma, stride, chroma + (rows - 1) * stride + row};
 }
 
+void check_area(std::string_view what, std::uint64_t width, std::uint64_t height) {
+  if (width == 0 || height == 0 || width * height > kMostPixels) {
+    throw TransportError(with_code(Code::damaged_message,
+                                   "{} has {} x {} pixels; 1 to {} in all can be used", what, width,
+                                   height, kMostPixels));
+  }
+}
+
 Encoding check_image(const ImageView& image, bool any_components) {
   const std::optional<Encoding> found = find_encoding(image.encoding, any_components);
   if (!found) {
@@ -141,11 +149,7 @@ Encoding check_image(const ImageView& image, bool any_components) {
   }
   const std::uint64_t width = image.width;
   const std::uint64_t height = image.height;
-  if (width == 0 || height == 0 || width * height > kMostPixels) {
-    throw TransportError(with_code(Code::damaged_message,
-                                   "it has {} x {} pixels; 1 to {} in all can be used", width,
-                                   height, kMostPixels));
-  }
+  check_area("it", width, height);
   const std::uint64_t row = width * found->pixel_bytes();
   if (image.step < row) {
     throw TransportError(with_code(

@@ -70,6 +70,8 @@ struct Planes {
 };
 Planes planes_of(const ImageView& image, Layout layout);
 
+/// @param what "its PNG" @throws TransportError: no pixels, or more than kMostPixels
+void check_area(std::string_view what, std::uint64_t width, std::uint64_t height);
 /// Compares the image with its encoding and the number of its bytes.
 /// @param any_components as of find_encoding()
 /// @throws ConfigurationError for an unknown encoding, TransportError for a contradiction.

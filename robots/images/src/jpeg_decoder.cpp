@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 
 #include "decoders.hpp"
+#include "encoding.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/images/image_conversion.hpp"
 
 namespace spikeloop::images {
 namespace {
@@ -100,12 +100,7 @@ ImageView decode_jpeg(std::span<const std::byte> file, bool colour,
     decoder.fail();
   }
   jpeg_decompress_struct& info = decoder.info;
-  const std::uint64_t area = std::uint64_t{info.image_width} * info.image_height;
-  if (area == 0 || area > kMostPixels) {
-    throw TransportError(with_code(Code::damaged_message,
-                                   "its JPEG has {} x {} pixels; 1 to {} in all can be used",
-                                   info.image_width, info.image_height, kMostPixels));
-  }
+  check_area("its JPEG", info.image_width, info.image_height);
   const bool grey = info.jpeg_color_space == JCS_GRAYSCALE;
   if (!grey && info.jpeg_color_space != JCS_YCbCr && info.jpeg_color_space != JCS_RGB) {
     const bool cmyk = info.jpeg_color_space == JCS_CMYK || info.jpeg_color_space == JCS_YCCK;

@@ -6,9 +6,9 @@
 #include <cstring>
 
 #include "decoders.hpp"
+#include "encoding.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/images/image_conversion.hpp"
 
 namespace spikeloop::images {
 namespace {
@@ -85,11 +85,7 @@ ImageView decode_png(std::span<const std::byte> file, std::vector<std::byte>& pi
   }
   const std::uint32_t width = png_get_image_width(decoder.png, decoder.info);
   const std::uint32_t height = png_get_image_height(decoder.png, decoder.info);
-  if (std::uint64_t{width} * height > kMostPixels) {
-    throw TransportError(with_code(Code::damaged_message,
-                                   "its PNG has {} x {} pixels; 1 to {} in all can be used", width,
-                                   height, kMostPixels));
-  }
+  check_area("its PNG", width, height);
   const std::size_t step = png_get_rowbytes(decoder.png, decoder.info);
   pixels.resize(step * height);
   for (std::uint32_t y = 0; y < height; ++y) {

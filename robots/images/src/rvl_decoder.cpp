@@ -3,9 +3,9 @@
 #include <cstring>
 
 #include "decoders.hpp"
+#include "encoding.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/images/image_conversion.hpp"
 
 namespace spikeloop::images {
 namespace {
@@ -64,11 +64,7 @@ ImageView decode_rvl(std::span<const std::byte> file, std::vector<std::byte>& pi
   const std::uint32_t width = numbers.word();
   const std::uint32_t height = numbers.word();
   const std::uint64_t area = std::uint64_t{width} * height;
-  if (area == 0 || area > kMostPixels) {
-    throw TransportError(with_code(Code::damaged_message,
-                                   "its RVL has {} x {} pixels; 1 to {} in all can be used", width,
-                                   height, kMostPixels));
-  }
+  check_area("its RVL", width, height);
   pixels.assign(area * sizeof(std::uint16_t), std::byte{0});
   std::uint16_t value = 0;
   for (std::uint64_t done = 0; done < area;) {

@@ -9,37 +9,24 @@
 #include "embedded.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/messages/number.hpp"
 
 namespace spikeloop::messages {
 namespace {
 
 constexpr std::string_view kHeadline = "MSG: ";
 
+/// Bytes of a number or a time; of a text those of its length.
 std::size_t size_of(Primitive primitive) {
-  switch (primitive) {
-    case Primitive::boolean:
-    case Primitive::int8:
-    case Primitive::uint8:
-      return 1;
-    case Primitive::int16:
-    case Primitive::uint16:
-      return 2;
-    case Primitive::int32:
-    case Primitive::uint32:
-    case Primitive::float32:
-    case Primitive::text:  // its length; the least a text takes
-      return 4;
-    default:
-      return 8;
+  if (primitive == Primitive::text) {
+    return sizeof(std::uint32_t);
   }
+  return is_time(primitive) ? 2 * sizeof(std::uint32_t)
+                            : with_number(primitive, [](auto type) { return sizeof type; });
 }
 
 std::size_t alignment_of(Primitive primitive, Dialect dialect) {
-  if (dialect == Dialect::ros1) {
-    return 1;
-  }
-  const bool is_time = primitive == Primitive::time || primitive == Primitive::duration;
-  return is_time ? 4 : size_of(primitive);
+  return dialect == Dialect::ros1 ? 1 : is_time(primitive) ? 4 : size_of(primitive);
 }
 
 FieldLayout layout_of(const FieldDefinition& field, std::shared_ptr<const TypeLayout> message,
@@ -95,14 +82,6 @@ Catalog builtin_of(Dialect dialect) {
   return catalog;
 }
 
-/// "sensor_msgs/LaserScan" of "sensor_msgs/msg/LaserScan", as ROS 2's tools say.
-std::string without_folder(std::string_view name) {
-  constexpr std::string_view kFolder = "/msg/";
-  const auto folder = name.find(kFolder);
-  std::string plain(name);
-  return folder == std::string_view::npos ? plain : plain.replace(folder, kFolder.size(), "/");
-}
-
 std::string unknown_type(std::string_view name, const std::vector<std::string>& candidates) {
   const std::string meant = nearest(name, candidates);
   return with_code(
@@ -113,6 +92,17 @@ std::string unknown_type(std::string_view name, const std::vector<std::string>& 
 }
 
 }  // namespace
+
+std::string without_msg(std::string_view name) {
+  std::string plain(name);
+  for (auto colons = plain.find("::"); colons != std::string::npos; colons = plain.find("::")) {
+    plain.replace(colons, 2, "/");
+  }
+  if (const auto folder = plain.find("/msg/"); folder != std::string::npos) {
+    plain.erase(folder, 4);
+  }
+  return plain;
+}
 
 const Catalog& Catalog::builtin(Dialect dialect) {
   static const Catalog ros1 = builtin_of(Dialect::ros1);
@@ -139,7 +129,7 @@ void Catalog::add_with_dependencies(std::string_view name, std::string_view full
     }
     if (bare.starts_with(kHeadline)) {
       add(current, text);
-      current = without_folder(bare.substr(kHeadline.size()));
+      current = without_msg(bare.substr(kHeadline.size()));
       text.clear();
       continue;
     }
@@ -163,7 +153,7 @@ std::vector<std::string> Catalog::names() const {
 }
 
 const Definition& Catalog::find(std::string_view name) const {
-  const auto found = definitions_.find(without_folder(name));
+  const auto found = definitions_.find(without_msg(name));
   if (found == definitions_.end()) {
     throw ConfigurationError(unknown_type(name, names()));
   }

@@ -96,7 +96,7 @@ struct ColumnReader::Impl {
       for (std::size_t i = 0; i < count; ++i) {
         column.texts.emplace_back(reader.text());
       }
-    } else if (field.primitive == Primitive::time || field.primitive == Primitive::duration) {
+    } else if (is_time(field.primitive)) {
       for (std::size_t i = 0; i < count; ++i) {
         const double seconds = reader.number(field.primitive);
         const auto bytes = std::as_bytes(std::span(&seconds, 1));

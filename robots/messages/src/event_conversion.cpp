@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "spikeloop/messages/event_array.hpp"
-#include "spikeloop/messages/event_packet.hpp"
+#include "spikeloop/messages/event_decoder.hpp"
 
 namespace spikeloop::messages {
 namespace {

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstring>
 
+#include "header.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 
@@ -43,20 +44,6 @@ constexpr std::uint32_t kHalfTime = 4096;              // 12 bits
 constexpr std::uint32_t kUpperTimeOfEvt2 = 1U << 28U;  // 28 bits
 constexpr TimeNs kMicrosecond = 1000;
 
-template <typename T>
-T load(const std::byte* at, bool big_endian) {
-  T value{};
-  std::memcpy(&value, at, sizeof(T));
-  if (!big_endian) {
-    return value;
-  }
-  T swapped{};
-  for (std::size_t i = 0; i < sizeof(T); ++i) {
-    swapped = static_cast<T>(swapped << 8 | (value >> (8 * i) & 0xff));
-  }
-  return swapped;
-}
-
 void check_camera(const EventPacket& packet, std::uint32_t most, std::size_t word) {
   if (packet.width == 0 || packet.height == 0 || packet.width > most || packet.height > most) {
     throw TransportError(
@@ -74,6 +61,21 @@ void check_camera(const EventPacket& packet, std::uint32_t most, std::size_t wor
 }
 
 }  // namespace
+
+EventPacket read_event_packet(Dialect dialect, std::span<const std::byte> message) {
+  return with_reader(dialect, message, [&](auto& reader) {
+    skip_header(reader, dialect);
+    EventPacket packet;
+    packet.height = read_uint32(reader);
+    packet.width = read_uint32(reader);
+    packet.sequence = read_uint64(reader);
+    packet.time_base = read_uint64(reader);
+    packet.encoding = reader.text();
+    packet.big_endian = reader.number(Primitive::boolean) != 0;
+    packet.events = read_bytes(reader);
+    return packet;
+  });
+}
 
 void EventDecoder::decode(const EventPacket& packet, std::vector<CameraEvent>& events) {
   events.clear();

@@ -11,6 +11,16 @@ bool earlier(const Spike& a, const Spike& b) {
 
 }  // namespace
 
+void SensorClock::take(TimeNs newest, TimeNs now) {
+  const bool jumped = set_ && (newest < newest_ || simulated(newest) > now + kFarthest);
+  if (!set_ || jumped) {
+    offset_ = now - newest;
+  }
+  jumps_ += jumped ? 1 : 0;
+  newest_ = newest;
+  set_ = true;
+}
+
 void EventPlayback::add(const EventMessage& message, const Interval& interval) {
   if (!message.newest) {
     return;

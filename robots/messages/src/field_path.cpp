@@ -13,10 +13,6 @@
 namespace spikeloop::messages {
 namespace {
 
-bool is_time(const FieldLayout& field) {
-  return field.primitive == Primitive::time || field.primitive == Primitive::duration;
-}
-
 class Compiler {
  public:
   Compiler(const Catalog& catalog, std::string_view type, std::string_view path) {
@@ -40,7 +36,7 @@ class Compiler {
       if (dot == std::string_view::npos) {
         break;
       }
-      if (type == nullptr && !is_time(*field)) {
+      if (type == nullptr && !is_time(field->primitive)) {
         fail(fmt::format("'{}' is a single value without fields; end the path there", field->name));
       }
       rest = rest.substr(dot + 1);
@@ -261,6 +257,27 @@ std::size_t FieldReader::read(std::span<const std::byte> message,
     }
   });
   return values.size() - before;
+}
+
+TextField::TextField(const Catalog& catalog, std::string_view type, std::string_view path)
+    : path_(compile_path(catalog, type, path)) {
+  if (!path_.is_text()) {
+    throw ConfigurationError(
+        with_code(Code::field_path,
+                  "field path '{}' of {}: a number is not text; name a field of type string",
+                  path_.text, path_.type->name));
+  }
+}
+
+std::size_t TextField::read(std::span<const std::byte> message,
+                            std::vector<std::string_view>& texts) const {
+  const std::size_t before = texts.size();
+  walk_path(message, path_, [&](auto reader, const FieldLayout&, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      texts.push_back(reader.text());
+    }
+  });
+  return texts.size() - before;
 }
 
 }  // namespace spikeloop::messages

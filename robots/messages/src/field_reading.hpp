@@ -12,7 +12,6 @@
 #include "point_cloud.hpp"
 #include "reading.hpp"
 #include "spikeloop/messages/field_path.hpp"
-#include "spikeloop/messages/field_view.hpp"
 
 namespace spikeloop::messages {
 

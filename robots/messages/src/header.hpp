@@ -22,6 +22,19 @@ std::uint32_t read_uint32(Reader& reader) {
   return static_cast<std::uint32_t>(reader.number(Primitive::uint32));
 }
 
+/// A number of an array of bytes.
+template <typename T>
+T load(const std::byte* at, bool big_endian) {
+  std::byte bytes[sizeof(T)];
+  std::memcpy(bytes, at, sizeof(T));
+  if (big_endian) {
+    std::reverse(std::begin(bytes), std::end(bytes));
+  }
+  T value{};
+  std::memcpy(&value, bytes, sizeof(T));
+  return value;
+}
+
 /// Every digit of it, which a double does not have.
 template <typename Reader>
 std::uint64_t read_uint64(Reader& reader) {

@@ -6,6 +6,9 @@
 #include <charconv>
 #include <limits>
 #include <stdexcept>
+#include <type_traits>
+
+#include "spikeloop/messages/number.hpp"
 
 namespace spikeloop::messages {
 namespace {
@@ -39,7 +42,7 @@ std::size_t find_unquoted(std::string_view text, char wanted, bool& open) {
 }
 
 template <typename Whole>
-double whole_number(std::string_view text, std::string_view type) {
+double whole_number(std::string_view text) {
   Whole value = 0;
   const bool hexadecimal = text.starts_with("0x") && text.size() > 2 && text[2] != '-';
   const char* const begin = text.data() + (hexadecimal ? 2 : 0);
@@ -55,9 +58,9 @@ double whole_number(std::string_view text, std::string_view type) {
   if ((wrong == std::errc{} || wrong == std::errc::result_out_of_range) && !text.empty() &&
       stop == text.data() + text.size()) {
     throw std::invalid_argument(
-        fmt::format("which {} cannot hold; write a whole number from {} "
-                    "to {}",
-                    type, std::numeric_limits<Whole>::min(), std::numeric_limits<Whole>::max()));
+        fmt::format("which {}int{} cannot hold; write a whole number from {} to {}",
+                    std::is_signed_v<Whole> ? "" : "u", 8 * sizeof(Whole),
+                    std::numeric_limits<Whole>::min(), std::numeric_limits<Whole>::max()));
   }
   throw std::invalid_argument("which is not a number");
 }
@@ -95,31 +98,15 @@ double parse_number_literal(std::string_view text, Primitive primitive) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') {
     text.remove_prefix(1);
   }
-  switch (primitive) {
-    case Primitive::boolean:
+  return with_number(primitive, [&]<typename T>(T /*type*/) {
+    if constexpr (std::is_same_v<T, bool>) {
       return truth(text);
-    case Primitive::int8:
-      return whole_number<std::int8_t>(text, "int8");
-    case Primitive::uint8:
-      return whole_number<std::uint8_t>(text, "uint8");
-    case Primitive::int16:
-      return whole_number<std::int16_t>(text, "int16");
-    case Primitive::uint16:
-      return whole_number<std::uint16_t>(text, "uint16");
-    case Primitive::int32:
-      return whole_number<std::int32_t>(text, "int32");
-    case Primitive::uint32:
-      return whole_number<std::uint32_t>(text, "uint32");
-    case Primitive::int64:
-      return whole_number<std::int64_t>(text, "int64");
-    case Primitive::uint64:
-      return whole_number<std::uint64_t>(text, "uint64");
-    case Primitive::float32:
-    case Primitive::float64:
+    } else if constexpr (std::is_floating_point_v<T>) {
       return real_number(text);
-    default:
-      throw std::logic_error("neither a text nor a message is a number");
-  }
+    } else {
+      return whole_number<T>(text);
+    }
+  });
 }
 
 std::string parse_text_literal(std::string_view text) {

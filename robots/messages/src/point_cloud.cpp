@@ -58,15 +58,8 @@ Cloud read_cloud(Dialect dialect, std::span<const std::byte> message) {
 }
 
 template <typename T>
-double load(const std::byte* at, bool big_endian) {
-  std::byte bytes[sizeof(T)];
-  std::memcpy(bytes, at, sizeof(T));
-  if (big_endian) {
-    std::reverse(std::begin(bytes), std::end(bytes));
-  }
-  T value{};
-  std::memcpy(&value, bytes, sizeof(T));
-  return static_cast<double>(value);
+double number_at(const std::byte* at, bool big_endian) {
+  return static_cast<double>(load<T>(at, big_endian));
 }
 
 struct Datatype {
@@ -75,10 +68,10 @@ struct Datatype {
 };
 
 /// sensor_msgs/PointField's numbers from 1, INT8, to 8, FLOAT64.
-constexpr Datatype kDatatypes[] = {{1, load<std::int8_t>},  {1, load<std::uint8_t>},
-                                   {2, load<std::int16_t>}, {2, load<std::uint16_t>},
-                                   {4, load<std::int32_t>}, {4, load<std::uint32_t>},
-                                   {4, load<float>},        {8, load<double>}};
+constexpr Datatype kDatatypes[] = {{1, number_at<std::int8_t>},  {1, number_at<std::uint8_t>},
+                                   {2, number_at<std::int16_t>}, {2, number_at<std::uint16_t>},
+                                   {4, number_at<std::int32_t>}, {4, number_at<std::uint32_t>},
+                                   {4, number_at<float>},        {8, number_at<double>}};
 
 const PointField& find_field(const Cloud& cloud, std::string_view name) {
   const auto found = std::ranges::find(cloud.fields, name, &PointField::name);

@@ -23,6 +23,7 @@ constexpr int kBoundedText = 21;
 constexpr int kArray = 48;
 constexpr int kBoundedSequence = 96;
 constexpr int kSequence = 144;
+constexpr int kNumbers[] = {15, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};  // in the order of Primitive
 
 /// "sensor_msgs/msg/LaserScan"
 std::string idl_name(const std::string& name) {
@@ -41,34 +42,10 @@ int element_type_id(const FieldDefinition& field) {
   if (field.type == "byte") {
     return kByte;
   }
-  switch (field.primitive) {
-    case Primitive::int8:
-      return 2;
-    case Primitive::uint8:
-      return 3;
-    case Primitive::int16:
-      return 4;
-    case Primitive::uint16:
-      return 5;
-    case Primitive::int32:
-      return 6;
-    case Primitive::uint32:
-      return 7;
-    case Primitive::int64:
-      return 8;
-    case Primitive::uint64:
-      return 9;
-    case Primitive::float32:
-      return 10;
-    case Primitive::float64:
-      return 11;
-    case Primitive::boolean:
-      return 15;
-    case Primitive::text:
-      return field.longest_text == 0 ? kText : kBoundedText;
-    default:
-      throw std::logic_error("a field of ROS 2 is a number, a text or a message");
+  if (field.primitive == Primitive::text) {
+    return field.longest_text == 0 ? kText : kBoundedText;
   }
+  return kNumbers[static_cast<std::size_t>(field.primitive)];
 }
 
 int type_id(const FieldDefinition& field) {

@@ -12,11 +12,13 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/catalog.hpp"
+#include "spikeloop/messages/number.hpp"
 
 namespace spikeloop::messages {
 
@@ -41,37 +43,17 @@ class WireReader {
   }
 
   double number(Primitive primitive) {
-    switch (primitive) {
-      case Primitive::boolean:
-        return take<std::uint8_t>() == 0 ? 0.0 : 1.0;
-      case Primitive::int8:
-        return take<std::int8_t>();
-      case Primitive::uint8:
-        return take<std::uint8_t>();
-      case Primitive::int16:
-        return take<std::int16_t>();
-      case Primitive::uint16:
-        return take<std::uint16_t>();
-      case Primitive::int32:
-        return take<std::int32_t>();
-      case Primitive::uint32:
-        return take<std::uint32_t>();
-      case Primitive::int64:
-        return static_cast<double>(take<std::int64_t>());
-      case Primitive::uint64:
-        return static_cast<double>(take<std::uint64_t>());
-      case Primitive::float32:
-        return static_cast<double>(take<float>());
-      case Primitive::float64:
-        return take<double>();
-      case Primitive::time:
-      case Primitive::duration: {
-        const double seconds = number(half_of_time(primitive, false));
-        return seconds + 1e-9 * number(half_of_time(primitive, true));
-      }
-      default:
-        throw std::logic_error("neither a text nor a message is a number");
+    if (is_time(primitive)) {
+      const double seconds = number(half_of_time(primitive, false));
+      return seconds + 1e-9 * number(half_of_time(primitive, true));
     }
+    return with_number(primitive, [&]<typename T>(T /*type*/) {
+      if constexpr (std::is_same_v<T, bool>) {
+        return take<std::uint8_t>() == 0 ? 0.0 : 1.0;
+      } else {
+        return static_cast<double>(take<T>());
+      }
+    });
   }
 
   /// The types of a time's two numbers.
@@ -196,35 +178,18 @@ class WireWriter {
 
   /// Whole-number types take the nearest value they can hold; NaN becomes 0.
   void number(Primitive primitive, double value) {
-    switch (primitive) {
-      case Primitive::boolean:
-        return put(static_cast<std::uint8_t>(value != 0.0 && !std::isnan(value)));
-      case Primitive::int8:
-        return put(whole<std::int8_t>(value));
-      case Primitive::uint8:
-        return put(whole<std::uint8_t>(value));
-      case Primitive::int16:
-        return put(whole<std::int16_t>(value));
-      case Primitive::uint16:
-        return put(whole<std::uint16_t>(value));
-      case Primitive::int32:
-        return put(whole<std::int32_t>(value));
-      case Primitive::uint32:
-        return put(whole<std::uint32_t>(value));
-      case Primitive::int64:
-        return put(whole<std::int64_t>(value));
-      case Primitive::uint64:
-        return put(whole<std::uint64_t>(value));
-      case Primitive::float32:
-        return put(static_cast<float>(value));
-      case Primitive::float64:
-        return put(value);
-      case Primitive::time:
-      case Primitive::duration:
-        return seconds(primitive, value);
-      default:
-        throw std::logic_error("neither a text nor a message is a number");
+    if (is_time(primitive)) {
+      return seconds(primitive, value);
     }
+    with_number(primitive, [&]<typename T>(T /*type*/) {
+      if constexpr (std::is_same_v<T, bool>) {
+        put(value != 0.0 && !std::isnan(value));
+      } else if constexpr (std::is_floating_point_v<T>) {
+        put(static_cast<T>(value));
+      } else {
+        put(whole<T>(value));
+      }
+    });
   }
 
   /// Numbers of this alignment, as they are.

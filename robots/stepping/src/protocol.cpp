@@ -6,7 +6,7 @@
 
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/messages/field_view.hpp"
+#include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/messages/message_writer.hpp"
 
 namespace spikeloop::stepping {

@@ -13,7 +13,7 @@
 
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/event_conversion.hpp"
-#include "spikeloop/messages/event_packet.hpp"
+#include "spikeloop/messages/event_decoder.hpp"
 #include "spikeloop/messages/event_playback.hpp"
 
 using namespace spikeloop;

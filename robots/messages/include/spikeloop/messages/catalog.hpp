@@ -16,6 +16,10 @@ namespace spikeloop::messages {
 /// Bytes; roscpp refuses longer messages.
 constexpr std::size_t kLargestMessage = 1'000'000'000;
 
+/// "sensor_msgs/LaserScan" of "sensor_msgs/msg/LaserScan", as ROS 2's tools write it, and of
+/// "sensor_msgs::msg::LaserScan".
+std::string without_msg(std::string_view name);
+
 struct TypeLayout;
 
 /// A field with its type resolved. Sizes are those of the catalog's dialect, without what aligns

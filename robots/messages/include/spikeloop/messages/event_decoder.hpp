@@ -23,6 +23,11 @@ struct EventPacket {
   std::span<const std::byte> events{};
 };
 
+inline constexpr std::string_view kEventPacket = "event_camera_msgs/EventPacket";
+
+/// A view of the message's bytes. @throws TransportError when they end too early.
+EventPacket read_event_packet(Dialect dialect, std::span<const std::byte> message);
+
 /// Decodes packet after packet of one camera.
 ///
 /// - `mono` (event_camera_msgs): 64 bits an event; nanoseconds since time_base in bits 0 to 31, x

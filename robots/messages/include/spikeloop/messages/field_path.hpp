@@ -81,4 +81,21 @@ class FieldReader {
   FieldPath path_;
 };
 
+/// Takes the texts of one path out of messages: Image.encoding, header.frame_id, PointCloud2's
+/// fields.name (one each).
+class TextField {
+ public:
+  /// @throws ConfigurationError as compile_path, and when the path ends at a number.
+  TextField(const Catalog& catalog, std::string_view type, std::string_view path);
+
+  /// Appends the path's texts, which are valid as long as the message's bytes, and returns their
+  /// number. @throws TransportError as FieldReader::read.
+  std::size_t read(std::span<const std::byte> message, std::vector<std::string_view>& texts) const;
+
+  const FieldPath& path() const { return path_; }
+
+ private:
+  FieldPath path_;
+};
+
 }  // namespace spikeloop::messages
