@@ -1,9 +1,12 @@
 #!/usr/bin/python3
-"""Encodings of images and formats of compressed ones, from a bag that rosbag wrote, against NumPy and Pillow."""
+"""Encodings of images and formats of compressed ones, from a bag that rosbag wrote, against NumPy and Pillow:
+as channels of a sensor, and as pixels in Python."""
 
 import io
+import json
 import pathlib
 import struct
+import sys
 import tempfile
 
 import numpy as np
@@ -13,6 +16,9 @@ from sensor_msgs.msg import CompressedImage, Image
 
 import bags
 import runs
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "python"))
+import spikeloop  # noqa: E402
 
 MS = 10**6
 GREY = np.array([0.299, 0.587, 0.114])
@@ -171,17 +177,32 @@ def experiment(file, cases):
     file.write_text(text)
 
 
+def channels_of(pixels, keys):
+    """What a sensor with these keys makes of the pixels that Python reads."""
+    least, most = json.loads(keys[7:]) if keys.startswith("range: ") else (0, np.iinfo(pixels.dtype).max)
+    planes = pixels if pixels.ndim == 2 else np.moveaxis(pixels[..., :3], -1, 0)
+    if planes.ndim == 3 and keys != "channel: rgb":
+        planes = np.tensordot(GREY, planes, 1)
+    elif planes.ndim == 2 and keys == "channel: rgb":
+        planes = planes[None].repeat(3, 0)
+    return scaled(planes.astype(float), least, most)
+
+
 def check_values(scratch):
     cases = [case for make in (coloured, measured, bayer, yuv, files, depths) for case in make()]
     experiment(scratch / "all.yaml", cases)
     bags.spikeloop("run", scratch / "all.yaml", "--out", scratch / "run")
-    for name, _, _, expected in cases:
+    for name, _, keys, expected in cases:
         _, values = runs.recordings.signal(scratch / "run", name)
         assert len(values) == 1, f"{name}: {len(values)} messages"
         # Colours of YUV, the green of Bayer cells and inverse depths are rounded to whole numbers.
         rounded = name.startswith(("bayer", "yuv", "uyvy", "yuyv", "nv")) and not name.endswith("_grey")
         tolerance = 0.02 if name == "metres" else 1.01 * 2 / 255 if rounded else 1e-5
         np.testing.assert_allclose(values[0], expected.ravel(), atol=tolerance, err_msg=name)
+        if rounded or not name.startswith(("yuv", "uyvy", "yuyv", "nv")):  # else the grey is the luma, not one of colours
+            for recording in ("images.bag", "run/messages.mcap"):
+                pixels, = spikeloop.read_messages(scratch / recording, f"/{name}").images()
+                np.testing.assert_allclose(channels_of(pixels, keys), expected, atol=tolerance, err_msg=name)
     print(f"{len(cases)} encodings and formats as NumPy and Pillow read them")
 
 

@@ -1,4 +1,4 @@
-// Encodings beyond 8-bit colour, each against its definition in sensor_msgs/image_encodings.hpp,
+// Encodings, each against its definition in sensor_msgs/image_encodings.hpp,
 // OpenCV's types and V4L2's formats.
 #include <gmock/gmock.h>
 
@@ -83,7 +83,11 @@ TEST(Encodings, three_and_four_components_of_opencv_begin_with_blue) {
   expect_colours<double>("64FC4", 300, {50, 100, 200, 9, 30, 20, 10, 9}, range);
 }
 
-TEST(Encodings, sixteen_bits_per_colour) {
+TEST(Encodings, eight_and_sixteen_bits_per_colour) {
+  expect_colours<std::uint8_t>("rgb8", 255, {200, 100, 50, 10, 20, 30});
+  expect_colours<std::uint8_t>("bgr8", 255, {50, 100, 200, 30, 20, 10});
+  expect_colours<std::uint8_t>("rgba8", 255, {200, 100, 50, 9, 10, 20, 30, 9});
+  expect_colours<std::uint8_t>("bgra8", 255, {50, 100, 200, 9, 30, 20, 10, 9});
   expect_colours<std::uint16_t>("rgb16", 65535, {200, 100, 50, 10, 20, 30});
   expect_colours<std::uint16_t>("bgr16", 65535, {50, 100, 200, 30, 20, 10});
   expect_colours<std::uint16_t>("rgba16", 65535, {200, 100, 50, 9, 10, 20, 30, 9});
@@ -140,27 +144,45 @@ TEST(Encodings, unknown_ones_are_named) {
   }
 }
 
-TEST(Encodings, bayer_cells_of_sixteen_bits) {
-  const std::pair<const char*, std::vector<std::uint16_t>> all[] = {
-      {"bayer_rggb16", {20000, 9000, 11000, 5000}},
-      {"bayer_bggr16", {5000, 9000, 11000, 20000}},
-      {"bayer_gbrg16", {9000, 5000, 20000, 11000}},
-      {"bayer_grbg16", {9000, 20000, 5000, 11000}}};
+/// A cell has red 200, green 90 and 110, blue 50, in the order of the encoding's name.
+template <typename T>
+void expect_cells(const std::string& encoding, const std::vector<T>& cell) {
+  SCOPED_TRACE(encoding);
+  // Odd sizes: the last row and column take the colours of the cell before them.
+  std::vector<T> samples;
+  for (std::size_t i = 0; i < 15; ++i) {
+    samples.push_back(cell[i / 5 % 2 * 2 + i % 5 % 2]);
+  }
+  for (const Picture& picture : in_all_orders(5, 3, encoding.c_str(), samples)) {
+    const auto values =
+        converted({.channel = Channel::rgb, .range = std::pair(0.0, 200.0)}, picture.view());
+    std::vector<double> expected(45, -0.5);
+    std::fill_n(expected.begin(), 15, 1);
+    std::fill_n(expected.begin() + 15, 15, 0);
+    expect_near(values, expected, 1e-9);
+  }
+}
+
+TEST(Encodings, bayer_cells) {
+  const std::pair<std::string, std::vector<std::uint16_t>> all[] = {
+      {"bayer_rggb", {200, 90, 110, 50}},
+      {"bayer_bggr", {50, 90, 110, 200}},
+      {"bayer_gbrg", {90, 50, 200, 110}},
+      {"bayer_grbg", {90, 200, 50, 110}}};
   for (const auto& [encoding, cell] : all) {
-    SCOPED_TRACE(encoding);
-    // Odd sizes: the last row and column take the colours of the cell before them.
-    std::vector<std::uint16_t> samples;
-    for (std::size_t i = 0; i < 15; ++i) {
-      samples.push_back(cell[i / 5 % 2 * 2 + i % 5 % 2]);
-    }
-    for (const Picture& picture : in_all_orders(5, 3, encoding, samples)) {
-      const auto values =
-          converted({.channel = Channel::rgb, .range = std::pair(0.0, 20000.0)}, picture.view());
-      std::vector<double> expected(45, -0.5);
-      std::fill_n(expected.begin(), 15, 1);
-      std::fill_n(expected.begin() + 15, 15, 0);
-      expect_near(values, expected, 1e-9);
-    }
+    expect_cells(encoding + "16", cell);
+    expect_cells(encoding + "8", std::vector<std::uint8_t>(cell.begin(), cell.end()));
+  }
+}
+
+TEST(Encodings, grey_of_eight_and_sixteen_bits) {
+  for (const Picture& picture :
+       in_all_orders<std::uint16_t>(2, 2, "mono16", {0x1234, 65535, 0, 1})) {
+    EXPECT_THAT(converted({}, picture.view()),
+                ElementsAre(DoubleEq(2.0 * 0x1234 / 65535 - 1), 1, -1, DoubleEq(2.0 / 65535 - 1)));
+  }
+  for (const Picture& picture : in_all_orders<std::uint8_t>(2, 2, "mono8", {0, 255, 255, 0})) {
+    EXPECT_THAT(converted({}, picture.view()), ElementsAre(-1, 1, 1, -1));
   }
 }
 
