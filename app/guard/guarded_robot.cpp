@@ -105,7 +105,7 @@ std::unique_ptr<topics::RawPublisher> GuardedRobot::advertise() {
   try {
     auto robot = robots_.advertise(hello_);
     // An adapter that has not waited for the answer introduces itself again, and drives meanwhile.
-    const bool waits = send_packet(socket_.get(), make_packet("ready")) == 0;
+    const bool waits = send_packet(socket_.get(), {"ready"}) == 0;
     return waits ? std::move(robot) : nullptr;
   } catch (const TransportError& error) {
     refuse(error.what(), hello_.ros == kRos2);
@@ -117,8 +117,7 @@ std::unique_ptr<topics::RawPublisher> GuardedRobot::advertise() {
 }
 
 void GuardedRobot::refuse(const std::string& reason, bool ends_run) {
-  auto packet = make_packet("refused");
-  packet.fields["reason"] = reason;
+  Packet packet{"refused", {{"reason", reason}}};
   if (ends_run) {
     packet.fields[kEndsRun] = "1";
   }
@@ -146,7 +145,7 @@ void GuardedRobot::watch(topics::RawPublisher& robot) {
     const bool heard = robot.has_subscribers();
     if (heard && !reaches) {
       reaches = true;
-      send_packet(socket_.get(), make_packet("reaches"));
+      send_packet(socket_.get(), {"reaches"});
     }
     if (timer.poll(wall_now(), heard)) {
       stop(robot);
@@ -174,7 +173,7 @@ void GuardedRobot::listen(GuardTimer& timer) {
     if (news.nothing) {
       return;
     }
-    const std::string type = type_of(news.packet);
+    const std::string type = news.packet.type;
     if (news.closed || type.empty()) {  // not a packet: the client is not an adapter
       timer.lost(wall_now());
       return;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <functional>
 #include <thread>
 
 #include "spikeloop/core/error.hpp"
@@ -73,23 +74,22 @@ Descriptor Listener::accept() const {
   return Descriptor{accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK)};
 }
 
-Server::Server(const Options& options)
-    : listener_(options.socket),
-      wakeup_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
-      owner_(options.owner) {
+Server::Server(const std::string& path, int owner)
+    : listener_(path), wakeup_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)), owner_(owner) {
   if (owner_ >= 0) {
-    send_packet(owner_, make_packet("listening"));
+    send_packet(owner_, {"listening"});
   }
 }
 
 void Server::run() {
-  while (!stopped() && (!owner_gone() || needed())) {
+  while (!signals_.next() &&
+         (!owner_gone() || std::ranges::any_of(guarded_, &GuardedRobot::needed))) {
     if (owner_ >= 0) {
       send_beat(owner_);
     }
     turn();
     take_in();
-    guarded_.remove_if([](const GuardedRobot& guarded) { return guarded.ended(); });
+    guarded_.remove_if(std::mem_fn(&GuardedRobot::ended));
   }
 }
 
@@ -131,23 +131,12 @@ void Server::wake() const {
 
 void Server::report(const Hello& hello) const {
   if (owner_ >= 0) {
-    auto packet = make_packet("stopped");
-    packet.fields["topic"] = hello.topic;
-    send_packet(owner_, packet);
+    send_packet(owner_, {"stopped", {{"topic", hello.topic}}});
   }
-}
-
-bool Server::stopped() {
-  return signals_.next().has_value();
 }
 
 bool Server::owner_gone() const {
   return owner_ >= 0 && wait_readable(owner_, 0);
-}
-
-bool Server::needed() const {
-  return std::ranges::any_of(guarded_,
-                             [](const GuardedRobot& guarded) { return guarded.needed(); });
 }
 
 }  // namespace spikeloop::guard

@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "guarded_robot.hpp"
-#include "options.hpp"
 #include "robots.hpp"
 #include "spikeloop/status/signal_watch.hpp"
 
@@ -34,7 +33,8 @@ class Listener {
 class Server {
  public:
   /// Blocks the signals that stop it; so before any thread is started. @throws FileError
-  explicit Server(const Options& options);
+  /// @param owner socket to the launcher; -1 if no launcher has started the guard
+  Server(const std::string& path, int owner);
 
   /// Until it is told to stop, or its owner has gone and no adapter needs it. Robots that are just
   /// being stopped get the rest of their zeros in the destructor.
@@ -46,9 +46,7 @@ class Server {
   void wake() const;
   /// Reports to the launcher that this robot has been stopped.
   void report(const Hello& hello) const;
-  bool stopped();
   bool owner_gone() const;
-  bool needed() const;
 
   Listener listener_;
   status::SignalWatch signals_;  ///< before any thread: they inherit that it holds signals back

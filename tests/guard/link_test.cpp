@@ -29,15 +29,13 @@ using testing::ElementsAre;
 constexpr const char* kAlone = ". Nothing stops the robot when this program is killed or stopped";
 
 Hello example() {
-  Hello hello;
-  hello.process = "command";
-  hello.topic = "/cmd_vel";
-  hello.message_type = "geometry_msgs/Twist";
-  hello.ros = 2;
-  hello.place = {{"ROS_DOMAIN_ID", "7"}};
-  hello.watchdog = 100'000'000;
-  hello.stop = {std::byte{0}, std::byte{255}, std::byte{7}};
-  return hello;
+  return {.process = "command",
+          .topic = "/cmd_vel",
+          .message_type = "geometry_msgs/Twist",
+          .ros = 2,
+          .place = {{"ROS_DOMAIN_ID", "7"}},
+          .watchdog = 100'000'000,
+          .stop = {std::byte{0}, std::byte{255}, std::byte{7}}};
 }
 
 TEST(Protocol, a_hello_arrives_as_it_was) {
@@ -54,8 +52,8 @@ TEST(Protocol, a_hello_arrives_as_it_was) {
 }
 
 TEST(Protocol, what_is_no_hello_is_none) {
-  EXPECT_FALSE(read_hello(make_packet("hello")));
-  EXPECT_FALSE(read_hello(make_packet("beat")));
+  EXPECT_FALSE(read_hello(Packet{"hello"}));
+  EXPECT_FALSE(read_hello(Packet{"beat"}));
   EXPECT_FALSE(read_hello({}));
   auto packet = to_packet(example());
   packet.fields["watchdog"] = "soon";
@@ -77,8 +75,8 @@ TEST(Protocol, decoding_corrupt_bytes_never_fails) {
     }
     read_hello(decode(other));
   }
-  EXPECT_EQ(type_of(decode("\xbb\xff\xff\xff\xff\xff\xff\xff\xf0")), "");
-  EXPECT_EQ(type_of(decode(std::string(30000, '\x81'))), "");
+  EXPECT_EQ(decode("\xbb\xff\xff\xff\xff\xff\xff\xff\xf0").type, "");
+  EXPECT_EQ(decode(std::string(30000, '\x81')).type, "");
 }
 
 class LinkTest : public testing::Test {
@@ -107,17 +105,39 @@ class LinkTest : public testing::Test {
   /// Reads a packet of this type, which is what comes next.
   static void expect(const Descriptor& adapter, const char* type) {
     ASSERT_TRUE(wait_readable(adapter.get(), 10 * kNsPerSecond));
-    EXPECT_EQ(type_of(receive_packet(adapter.get()).packet), type);
+    EXPECT_EQ(receive_packet(adapter.get()).packet.type, type);
   }
   /// An adapter that has introduced itself, and been told that we are ready.
   Descriptor welcome() const {
     Descriptor adapter = accept();
     expect(adapter, "hello");
-    send_packet(adapter.get(), make_packet("ready"));
+    send_packet(adapter.get(), {"ready"});
     return adapter;
   }
 
+  /// A link whose guard is ready; socket_ is the guard's end.
+  Link guarded_link() {
+    listen();
+    const std::jthread guard([this] { socket_ = welcome(); });
+    return Link(example());
+  }
+  /// The guard ends, and the link asks the next one.
+  void ask_next_guard(Link& link, TimeNs now) {
+    socket_.reset();
+    link.beat(now);                 // reads that the guard has ended
+    link.beat(now + kNsPerSecond);  // asks the next one
+  }
+  /// Sends beats until `reached`, for 10 s at most.
+  static void beat_until(Link& link, const std::function<bool()>& reached) {
+    const TimeNs end = wall_now() + 10 * kNsPerSecond;
+    do {
+      link.beat(wall_now());
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    } while (!reached() && wall_now() < end);
+  }
+
   test::TemporaryDirectory directory_;
+  Descriptor socket_;
   std::string path_ = (directory_.path() / "guard").string();
   Descriptor listener_;
   std::mutex mutex_;
@@ -151,21 +171,17 @@ TEST_F(LinkTest, the_guard_receives_the_stop_command_when_it_changes) {
     link.set_stop(example().stop);  // which the hello has
     link.beat(wall_now());
     link.set_stop(held);
-    const TimeNs end = wall_now() + 10 * kNsPerSecond;
-    while (!received && wall_now() < end) {
-      link.beat(wall_now());
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    beat_until(link, [&] { return received.load(); });
     link.done();
   });
   const Descriptor socket = welcome();
   expect(socket, "beat");
   Packet packet{"beat"};
-  while (type_of(packet) == "beat") {  // a beat that is not read yet delays the stop command
+  while (packet.type == "beat") {  // a beat that is not read yet delays the stop command
     ASSERT_TRUE(wait_readable(socket.get(), 10 * kNsPerSecond));
     packet = receive_packet(socket.get()).packet;
   }
-  EXPECT_EQ(type_of(packet), "stop");
+  EXPECT_EQ(packet.type, "stop");
   EXPECT_EQ(stop_message(packet), held);
   received = true;
   adapter.join();
@@ -176,41 +192,33 @@ TEST_F(LinkTest, is_told_when_the_guard_reaches_somebody) {
   std::thread guard([this] {
     const Descriptor socket = welcome();
     expect(socket, "beat");
-    send_packet(socket.get(), make_packet("of a later version"));
-    send_packet(socket.get(), make_packet("reaches"));
+    send_packet(socket.get(), {"of a later version"});
+    send_packet(socket.get(), {"reaches"});
     std::string type;
-    for (type = "beat"; type == "beat"; type = type_of(receive_packet(socket.get()).packet)) {
+    for (type = "beat"; type == "beat"; type = receive_packet(socket.get()).packet.type) {
       ASSERT_TRUE(wait_readable(socket.get(), 10 * kNsPerSecond));
     }
     EXPECT_EQ(type, "done");
   });
   Link link(example());
   EXPECT_FALSE(link.reaches_robot());
-  const TimeNs end = wall_now() + 10 * kNsPerSecond;
-  while (!link.reaches_robot() && wall_now() < end) {
-    link.beat(0);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  beat_until(link, [&] { return link.reaches_robot(); });
   EXPECT_TRUE(link.reaches_robot());
   link.done();
   guard.join();
 }
 
 TEST_F(LinkTest, a_guard_that_has_ended_is_not_waited_for) {
-  listen();
-  std::thread guard([this] { const Descriptor socket = welcome(); });
-  Link link(example());
-  guard.join();
+  Link link = guarded_link();
+  socket_.reset();
   link.beat(0);
   EXPECT_FALSE(link.guarded());
   EXPECT_TRUE(link.reaches_robot());
 }
 
 TEST_F(LinkTest, connects_again_to_a_guard_that_was_started_again) {
-  listen();
-  std::thread guard([this] { const Descriptor socket = welcome(); });
-  Link link(example());
-  guard.join();
+  Link link = guarded_link();
+  socket_.reset();
   listener_.reset();
   std::filesystem::remove(path_);
   TimeNs now = wall_now();
@@ -221,13 +229,8 @@ TEST_F(LinkTest, connects_again_to_a_guard_that_was_started_again) {
   }
   EXPECT_THAT(said_, ElementsAre(std::string("the guard has ended") + kAlone)) << "once";
   listen();
-  Descriptor socket;
-  std::thread second([&] { socket = welcome(); });
-  const TimeNs end = wall_now() + 10 * kNsPerSecond;
-  while (!link.guarded() && wall_now() < end) {
-    now = link.beat(now);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  std::thread second([&] { socket_ = welcome(); });
+  beat_until(link, [&] { return link.guarded(); });
   second.join();
   EXPECT_TRUE(link.guarded());
   EXPECT_EQ(said_.back(), "the guard watches over /cmd_vel again");
@@ -236,44 +239,32 @@ TEST_F(LinkTest, connects_again_to_a_guard_that_was_started_again) {
 }
 
 TEST_F(LinkTest, a_new_guard_counts_as_soon_as_it_is_connected_to_the_robot) {
-  listen();
-  Descriptor socket;
-  std::thread guard([&] { socket = welcome(); });
-  Link link(example());
-  guard.join();
-  send_packet(socket.get(), make_packet("reaches"));
-  TimeNs now = link.beat(wall_now());
+  Link link = guarded_link();
+  send_packet(socket_.get(), {"reaches"});
+  link.beat(wall_now());
   EXPECT_TRUE(link.guards(true));
-  socket.reset();
-  std::thread second([&] { socket = welcome(); });
-  const TimeNs end = wall_now() + 10 * kNsPerSecond;
-  do {
-    now = link.beat(now);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  } while (!link.guarded() && wall_now() < end);
+  socket_.reset();
+  std::thread second([&] { socket_ = welcome(); });
+  beat_until(link, [&] { return link.guarded(); });
   second.join();
   EXPECT_TRUE(link.guards(false)) << "no robot subscribes";
   EXPECT_FALSE(link.guards(true));
   EXPECT_THAT(said_, ElementsAre(std::string("the guard has ended") + kAlone));
-  send_packet(socket.get(), make_packet("reaches"));
-  link.beat(now);
+  send_packet(socket_.get(), {"reaches"});
+  link.beat(wall_now());
   EXPECT_TRUE(link.guards(true));
   EXPECT_EQ(said_.back(), "the guard watches over /cmd_vel again");
 }
 
 TEST_F(LinkTest, a_silent_guard_is_missed_until_it_answers_again) {
-  listen();
-  Descriptor socket;
-  std::thread guard([&] { socket = welcome(); });
-  Link link(example());
-  guard.join();
+  Link link = guarded_link();
   const TimeNs begin = wall_now();
   link.beat(begin + kGuardSilence - kMargin);
   EXPECT_TRUE(link.guarded());
   link.beat(begin + kGuardSilence + kMargin);
   EXPECT_FALSE(link.guarded());
   link.beat(begin + 2 * kGuardSilence);
-  send_packet(socket.get(), make_packet("beat"));
+  send_packet(socket_.get(), {"beat"});
   link.beat(begin + 3 * kGuardSilence);
   EXPECT_TRUE(link.guarded());
   EXPECT_THAT(said_, ElementsAre(std::string("the guard has not answered for 500 ms (stopped by "
@@ -290,12 +281,12 @@ TEST(Protocol, beats_do_not_fill_a_socket_that_nobody_reads) {
   for (int i = 0; i < 1000; ++i) {
     send_beat(ours.get());
   }
-  EXPECT_EQ(send_packet(ours.get(), make_packet("stopped")), 0);
-  EXPECT_EQ(type_of(receive_packet(theirs.get()).packet), "beat");
-  EXPECT_EQ(type_of(receive_packet(theirs.get()).packet), "stopped");
+  EXPECT_EQ(send_packet(ours.get(), {"stopped"}), 0);
+  EXPECT_EQ(receive_packet(theirs.get()).packet.type, "beat");
+  EXPECT_EQ(receive_packet(theirs.get()).packet.type, "stopped");
   EXPECT_TRUE(receive_packet(theirs.get()).nothing);
   send_beat(ours.get());
-  EXPECT_EQ(type_of(receive_packet(theirs.get()).packet), "beat");
+  EXPECT_EQ(receive_packet(theirs.get()).packet.type, "beat");
 }
 
 TEST(Protocol, what_was_sent_before_the_end_is_read_although_the_sender_left_packets_unread) {
@@ -304,9 +295,9 @@ TEST(Protocol, what_was_sent_before_the_end_is_read_although_the_sender_left_pac
   Descriptor adapter{ends[0]};
   const Descriptor guard{ends[1]};
   send_beat(guard.get());
-  send_packet(adapter.get(), make_packet("done"));
+  send_packet(adapter.get(), {"done"});
   adapter.reset();
-  EXPECT_EQ(type_of(receive_packet(guard.get()).packet), "done");
+  EXPECT_EQ(receive_packet(guard.get()).packet.type, "done");
   EXPECT_TRUE(receive_packet(guard.get()).closed);
 }
 
@@ -340,9 +331,7 @@ TEST_F(LinkTest, a_guard_that_refuses) {
   std::thread adapter([] { EXPECT_FALSE(Link(example()).guarded()); });
   const Descriptor socket = accept();
   expect(socket, "hello");
-  auto refusal = make_packet("refused");
-  refusal.fields["reason"] = "no ROS master";
-  send_packet(socket.get(), refusal);
+  send_packet(socket.get(), {"refused", {{"reason", "no ROS master"}}});
   adapter.join();
   EXPECT_THAT(said_,
               ElementsAre(std::string("the guard refuses this adapter: no ROS master") + kAlone));
@@ -355,10 +344,8 @@ TEST_F(LinkTest, a_guard_without_a_node_ends_the_run) {
       [&] { error = test::error_of<TransportError>([] { const Link link(example()); }); });
   const Descriptor socket = accept();
   expect(socket, "hello");
-  auto refusal = make_packet("refused");
-  refusal.fields["reason"] = "the domain is full [SL0604]";
-  refusal.fields[kEndsRun] = "1";
-  send_packet(socket.get(), refusal);
+  send_packet(socket.get(),
+              {"refused", {{"reason", "the domain is full [SL0604]"}, {kEndsRun, "1"}}});
   adapter.join();
   EXPECT_EQ(error,
             "the guard of /cmd_vel cannot become a node of ROS 2, so that nothing would stop the "
@@ -366,41 +353,28 @@ TEST_F(LinkTest, a_guard_without_a_node_ends_the_run) {
 }
 
 TEST_F(LinkTest, a_new_guard_that_refuses_is_asked_again) {
-  listen();
-  Descriptor socket;
-  std::thread guard([&] { socket = welcome(); });
-  Link link(example());
-  guard.join();
-  socket.reset();
+  Link link = guarded_link();
   const TimeNs now = wall_now();
-  link.beat(now);                 // reads that the guard has ended
-  link.beat(now + kNsPerSecond);  // asks the next one
-  socket = accept();
-  expect(socket, "hello");
-  send_packet(socket.get(), make_packet("refused"));
+  ask_next_guard(link, now);
+  socket_ = accept();
+  expect(socket_, "hello");
+  send_packet(socket_.get(), {"refused"});
   link.beat(now + kNsPerSecond);
   EXPECT_FALSE(link.guarded());
   EXPECT_LT(link.beat(now + 2 * kNsPerSecond), kNever);
   link.beat(now + 7 * kNsPerSecond);
-  socket = welcome();
+  socket_ = welcome();
   link.beat(now + 7 * kNsPerSecond);
   EXPECT_TRUE(link.guarded());
 }
 
 TEST_F(LinkTest, a_run_that_ends_before_the_answer_is_done) {
-  listen();
-  Descriptor socket;
-  std::thread guard([&] { socket = welcome(); });
-  Link link(example());
-  guard.join();
-  socket.reset();
-  const TimeNs now = wall_now();
-  link.beat(now);
-  link.beat(now + kNsPerSecond);
+  Link link = guarded_link();
+  ask_next_guard(link, wall_now());
   link.done();
-  socket = accept();
-  expect(socket, "hello");
-  expect(socket, "done");
+  socket_ = accept();
+  expect(socket_, "hello");
+  expect(socket_, "done");
 }
 
 TEST_F(LinkTest, a_guard_that_ends_before_it_answers) {

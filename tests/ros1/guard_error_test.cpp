@@ -207,7 +207,7 @@ class StrangeGuardTest : public GuardedJob {
       adapter_ = spikeloop::Descriptor{::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC)};
       ASSERT_TRUE(guard::wait_readable(adapter_.get(), 10 * spikeloop::kNsPerSecond));
       ready_at_ = ros_peer::monotonic_now();
-      guard::send_packet(adapter_.get(), guard::make_packet("ready"));
+      guard::send_packet(adapter_.get(), {"ready"});
       while (!ended_) {
         guard::send_beat(adapter_.get());
         std::this_thread::sleep_for(std::chrono::milliseconds(50));

@@ -50,10 +50,6 @@ Link::Link(const Hello& hello) : hello_(hello) {
     return;
   }
   path_ = path;
-  ask_first();
-}
-
-void Link::ask_first() {
   Lines lines;
   const TimeNs now = wall_now();
   if (connect(now, lines)) {
@@ -102,7 +98,7 @@ void Link::read(TimeNs now, Lines& lines) {
 }
 
 void Link::take(const Received& news, TimeNs now, Lines& lines) {
-  const std::string type = type_of(news.packet);
+  const std::string type = news.packet.type;
   if (news.closed) {
     lose("the guard has ended", now, lines);
     return;
@@ -189,7 +185,7 @@ TimeNs Link::beat(TimeNs now) {
       send_stop();
       // Ignore errors: with a full socket the guard still has beats to read, and read() above
       // detects a guard that has ended.
-      send_packet(socket_.get(), make_packet("beat"));
+      send_packet(socket_.get(), {"beat"});
     }
     if (state_ == State::off) {
       now = kNever - kBeatPeriod;
@@ -210,7 +206,7 @@ void Link::done() {
   const std::lock_guard lock(mutex_);
   // A guard that is still answering reads "done" after the hello.
   if (state_ == State::asked || state_ == State::accepted) {
-    send_packet(socket_.get(), make_packet("done"));
+    send_packet(socket_.get(), {"done"});
   }
   guarded_.store(false);
   state_ = State::off;

@@ -16,7 +16,6 @@
 #include "spikeloop/core/pacer.hpp"
 
 namespace spikeloop::guard {
-
 namespace {
 
 const std::string kPlace = "place.";  // prefix of the keys of Hello::place
@@ -98,13 +97,12 @@ std::optional<Hello> read_hello(const Packet& packet) {
   if (packet.type != "hello" || protocol != kProtocol || !ros || !watchdog) {
     return std::nullopt;
   }
-  Hello hello;
-  hello.process = text_of(packet, "process");
-  hello.topic = text_of(packet, "topic");
-  hello.message_type = text_of(packet, "message_type");
-  hello.ros = static_cast<int>(*ros);
-  hello.watchdog = *watchdog;
-  hello.stop = stop_message(packet);
+  Hello hello{.process = text_of(packet, "process"),
+              .topic = text_of(packet, "topic"),
+              .message_type = text_of(packet, "message_type"),
+              .ros = static_cast<int>(*ros),
+              .watchdog = *watchdog,
+              .stop = stop_message(packet)};
   for (const auto& [key, value] : packet.fields) {
     if (key.starts_with(kPlace)) {
       hello.place[key.substr(kPlace.size())] = value;
@@ -121,14 +119,6 @@ std::vector<std::byte> stop_message(const Packet& packet) {
   const std::string text = text_of(packet, kStop);
   const auto* const bytes = reinterpret_cast<const std::byte*>(text.data());
   return {bytes, bytes + text.size()};
-}
-
-Packet make_packet(std::string_view type) {
-  return {std::string(type)};
-}
-
-std::string type_of(const Packet& packet) {
-  return packet.type;
 }
 
 std::string text_of(const Packet& packet, const std::string& key) {
@@ -183,7 +173,7 @@ bool has_unread(int fd) {
 
 void send_beat(int fd) {
   if (!has_unread(fd)) {
-    send_packet(fd, make_packet("beat"));
+    send_packet(fd, {"beat"});
   }
 }
 

@@ -47,9 +47,7 @@ Connection connect_pair() {
   setsid();
   // Once more, so that it is nobody's child.
   if (const pid_t pid = fork(); pid != 0) {
-    auto packet = guard::make_packet("started");
-    packet.fields["pid"] = fmt::to_string(pid);
-    guard::send_packet(connection, packet);
+    guard::send_packet(connection, {"started", {{"pid", fmt::to_string(pid)}}});
     _exit(0);
   }
   run_before_others();  // also while it is loaded: a busy machine must not delay it
@@ -64,9 +62,7 @@ Connection connect_pair() {
   const std::string owner = std::to_string(connection);
   const std::string socket = guard_socket(scratch.path());
   execlp(kProgram, kProgram, "--socket", socket.c_str(), "--owner", owner.c_str(), nullptr);
-  auto packet = guard::make_packet("log");
-  packet.fields["text"] = std::strerror(errno);
-  guard::send_packet(connection, packet);
+  guard::send_packet(connection, {"log", {{"text", std::strerror(errno)}}});
   _exit(127);
 }
 
@@ -104,7 +100,7 @@ void GuardProcess::await_listening(TimeNs longest) {
   const TimeNs deadline = wall_now() + longest;
   while (guard::wait_readable(connection_.get(), deadline - wall_now())) {
     const guard::Received news = guard::receive_packet(connection_.get());
-    const std::string type = guard::type_of(news.packet);
+    const std::string type = news.packet.type;
     if (type == "listening") {
       return;
     }
@@ -142,7 +138,7 @@ bool GuardProcess::hangs() const {
 
 void GuardProcess::take(const guard::Packet& packet) {
   heard_ = wall_now();
-  const std::string type = guard::type_of(packet);
+  const std::string type = packet.type;
   if (type == "started") {
     pid_ = static_cast<pid_t>(guard::integer_of(packet, "pid").value_or(0));
   } else if (type == "log") {

@@ -58,7 +58,6 @@ class Link {
   void lose(const std::string& reason, TimeNs now, Lines& lines);
   void check_silence(TimeNs now, Lines& lines);
 
-  void ask_first();
   void send_stop();
   void leave(State state);
 

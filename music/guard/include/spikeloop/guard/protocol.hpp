@@ -32,10 +32,9 @@ inline constexpr int kProtocol = 5;
 /// Longest packet in bytes; a longer one is not sent, and not read.
 inline constexpr std::size_t kLongestPacket = 1 << 20;
 
-using Fields = std::map<std::string, std::string>;
 struct Packet {
-  std::string type;  ///< empty if the bytes are not a packet
-  Fields fields{};
+  std::string type{};  ///< empty if the bytes are not a packet
+  std::map<std::string, std::string> fields{};
 };
 
 std::string encode(const Packet& packet);
@@ -48,27 +47,24 @@ inline constexpr const char* kEndsRun = "ends_run";
 /// How a command adapter introduces itself.
 struct Hello {
   int protocol = kProtocol;
-  std::string process;  ///< the section's label
-  std::string topic;
-  std::string message_type;  ///< "geometry_msgs/Twist"; the guard knows the same definitions
-  int ros = 1;               ///< its version: 1 or 2
-  std::map<std::string, std::string> place;  ///< variables that say where the robot's nodes meet
+  std::string process{};  ///< label of the section
+  std::string topic{};
+  std::string message_type{};  ///< "geometry_msgs/Twist"; the guard has the same definitions
+  int ros = 1;                 ///< version of ROS: 1 or 2
+  std::map<std::string, std::string> place{};  ///< variables that define where nodes meet
   TimeNs watchdog = 0;  ///< wall time after which the adapter stops the robot itself
   /// The message that stops the robot, as the adapter sends it. Empty: no message, because the
   /// robot was not driven yet and its position is not known.
-  std::vector<std::byte> stop;
+  std::vector<std::byte> stop{};
 };
 
 Packet to_packet(const Hello& hello);
 /// Nothing when the packet is not a hello, or of another protocol that says it in another way.
 std::optional<Hello> read_hello(const Packet& packet);
 
-Packet make_packet(std::string_view type);
 Packet stop_packet(const std::vector<std::byte>& message);
 /// The message of a hello or a "stop".
 std::vector<std::byte> stop_message(const Packet& packet);
-/// Empty for what is not a packet of ours.
-std::string type_of(const Packet& packet);
 /// The value of a field; empty if the packet has no such field.
 std::string text_of(const Packet& packet, const std::string& key);
 /// The integer in a field; nullopt if there is none.
