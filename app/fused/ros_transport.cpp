@@ -71,10 +71,10 @@ void RosTransport::add(const std::string& topic, ros_command::CommandEndpoint& c
                          [&command] { return command.sent(); },
                          {},
                          [&command] { return command.deliver(); }});
-    if (const std::string positions = command.positions_topic(); !positions.empty()) {
-      robot_->add_sensor({session_->whole_topic(positions),
-                          [&command] { return command.positions_have_publisher(); },
-                          [&command] { return command.positions_received(); }, [] {}});
+    if (const auto* positions = command.positions()) {
+      robot_->add_sensor({session_->whole_topic(positions->topic()),
+                          [positions] { return positions->has_publishers(); },
+                          [positions] { return positions->received(); }, [] {}});
     }
   }
 }
@@ -82,7 +82,7 @@ void RosTransport::add(const std::string& topic, ros_command::CommandEndpoint& c
 std::unique_ptr<Pacer> RosTransport::pacer() {
   return make_clock_pacer(*session_, experiment_.tick, waiting_, [this] {
     for (ros_command::CommandEndpoint* command : commands_) {
-      command->alive();
+      command->sink().alive();
     }
   });
 }

@@ -7,8 +7,6 @@
 
 #include "programs.hpp"
 #include "sensor_topics.hpp"
-#include "spikeloop/command/command_map_node.hpp"
-#include "spikeloop/command/command_settings.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/config/message_type.hpp"
@@ -16,7 +14,6 @@
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/safety.hpp"
-#include "spikeloop/ros_command/arrivals.hpp"
 #include "spikeloop/ros_command/command_endpoint.hpp"
 #include "spikeloop/status/deadline.hpp"
 #include "spikeloop/status/signals.hpp"
@@ -108,7 +105,7 @@ CommandMapping read_command_mapping(const music::Process& process, const Paramet
 void record_latency(music::Process& process, bool with_data_stamp,
                     ros_command::CommandEndpoint& command) {
   if (auto write = with_data_stamp ? process.value_recorder("latency", "ms") : nullptr) {
-    command.on_latency([write = std::move(write)](TimeNs simulated, TimeNs latency) {
+    command.sink().on_latency([write = std::move(write)](TimeNs simulated, TimeNs latency) {
       write(simulated, static_cast<double>(latency) / 1e6);
     });
   }
@@ -130,19 +127,14 @@ Section read_command(const music::Process& process, const RosProgram& program) {
 }
 
 command::CommandSettings command_settings(const music::Process& process, const Section& section,
-                                          const command::ComponentMap& map,
-                                          const std::vector<SensorTopic>& sensors,
-                                          bool with_data_stamp) {
-  const auto& common = process.common();
-  const Parameters& parameters = section.node.parameters;
-  command::CommandSettings settings =
-      command::command_settings(parameters, map, parameters.number("command_rate"),
-                                {common.music_timestep, common.rtf}, with_data_stamp);
-  experiment::add_bounds(section.node, settings);
+                                          std::uint32_t width,
+                                          const std::vector<SensorTopic>& sensors) {
   const auto states =
       std::ranges::find(sensors, "sensor_msgs/JointState", &SensorTopic::message_type);
-  experiment::add_stop(section.node, states == sensors.end() ? "" : states->sensor.topic, settings);
-  experiment::add_operator_input(section.node, section.ros.ros, settings);
+  const auto& common = process.common();
+  command::CommandSettings settings = experiment::command_settings(
+      section.node, width, {.tick = common.music_timestep, .real_time_factor = common.rtf},
+      states == sensors.end() ? "" : states->sensor.topic, section.ros.ros);
   for (const SensorTopic& sensor : sensors) {
     settings.sensors.push_back(sensor.sensor);
   }
@@ -190,10 +182,9 @@ int run_command(music::Process& process, const RosProgram& program) {
           ? process.signal_input("data_stamp", static_cast<int>(keys.integer("pipeline_ticks")))
           : nullptr;
 
-  command::ComponentMap map = command::component_map(node.mapping, width);
   const auto sensor_list = sensor_topics(keys, section.ros.ros);
-  const command::CommandSettings settings =
-      command_settings(process, section, map, sensor_list, data_stamp != nullptr);
+  command::CommandSettings settings = command_settings(process, section, width, sensor_list);
+  settings.with_data_stamp = data_stamp != nullptr;
   if (process.checking()) {
     process.check();
     return 0;
@@ -201,39 +192,35 @@ int run_command(music::Process& process, const RosProgram& program) {
   const auto session = session::open(section.ros);
   const status::TerminationHook on_termination([&] { session->leave(); });  // the last of all
   topics::Rosout rosout(*session);
-  const NodeClass fields = command::command_map_class(std::move(map));
-  ros_command::CommandEndpoint sink(
-      *session,
-      {node.name, node.parameters.text("topic"), node.mapping.message_type, settings.fields},
-      settings);
+  const NodeClass fields = command::command_map_class(command::components(node.mapping, width));
+  ros_command::CommandEndpoint command(*session, settings);
 
-  std::vector<std::unique_ptr<ros_command::Arrivals>> sensors;
+  std::vector<std::unique_ptr<Source>> sensors;
   GraphDescription description;
   description.tick = process.common().music_timestep;
   description.seed = process.common().seed;
   description.sources = {{"in", in.get()}};
   description.nodes = {{"fields", &fields, {}, {}}};
-  description.sinks = {{"topic", &sink.graph_sink()}};
+  description.sinks = {{"topic", &command.sink()}};
   description.connections = {{"in.in", "fields.in", width, 0, {}},
-                             {"fields.out", "topic.command", settings.width, 0, {}}};
+                             {"fields.out", "topic.command", settings.width(), 0, {}}};
   if (data_stamp) {
     description.sources.push_back({"data_stamp", data_stamp.get()});
     description.connections.push_back({"data_stamp.data_stamp", "topic.data_stamp", 0, 0, {}});
   }
   for (const SensorTopic& watched : sensor_list) {
     const std::size_t i = sensors.size();
-    sensors.push_back(std::make_unique<ros_command::Arrivals>(*session, watched.sensor.topic,
-                                                              watched.message_type));
+    sensors.push_back(arrivals(*session, watched));
     description.sources.push_back({fmt::format("sensor {}", i), sensors.back().get()});
     description.connections.push_back(
         {fmt::format("sensor {}.out", i), fmt::format("topic.sensor_{}", i), 1, 0, {}});
   }
   process.attach_recorders(description);
-  record_latency(process, data_stamp != nullptr, sink);
+  record_latency(process, data_stamp != nullptr, command);
   Graph graph(description);
   music::Process::LoopHooks hooks;
-  hooks.after_loop = [&] { sink.stop(command::StopReason::ended); };
-  hooks.summary = [&] { return sink.summary(); };
+  hooks.after_loop = [&] { command.stop(command::StopReason::ended); };
+  hooks.summary = [&] { return command.summary(); };
   return status::end_in_time(rosout.during([&] { return process.run(graph, hooks); }));
 }
 

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <sstream>
 
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/pacer.hpp"
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/topics/names.hpp"
 
@@ -38,6 +40,31 @@ SensorTopic sensor_topic(const Parameters& keys, const std::string& text) {
   return {{text.substr(0, first), from_seconds(timeout)}, text.substr(first + 1, last - first - 1)};
 }
 
+class Arrivals : public Source {
+ public:
+  Arrivals(topics::Session& session, const SensorTopic& topic)
+      : subscriber_(session.subscriber({.topic = topic.sensor.topic,
+                                        .message_type = topic.message_type,
+                                        .queue = 1,
+                                        .take = [this](auto) { newest_ = wall_now(); }})) {}
+
+  std::vector<EndpointPort> ports() const override { return {{"out", PortKind::signal, 1}}; }
+  void receive(const Step& step) override {
+    const TimeNs newest = newest_;
+    if (newest != received_) {
+      received_ = newest;
+      const SignalOutput out = step.signal_output();
+      out.values()[0] = to_seconds(newest);
+      out.commit();
+    }
+  }
+
+ private:
+  std::atomic<TimeNs> newest_{0};  ///< 0: no message yet
+  TimeNs received_ = 0;
+  std::unique_ptr<topics::RawSubscriber> subscriber_;
+};
+
 }  // namespace
 
 ParameterDescription sensor_topics_parameter() {
@@ -60,6 +87,10 @@ std::vector<SensorTopic> sensor_topics(const Parameters& keys, messages::Dialect
     }));
   }
   return topics;
+}
+
+std::unique_ptr<Source> arrivals(topics::Session& session, const SensorTopic& topic) {
+  return std::make_unique<Arrivals>(session, topic);
 }
 
 }  // namespace spikeloop

@@ -77,7 +77,7 @@ std::string checked_stop(const std::string& value, const Location& where) {
 }
 
 /// `stop` as that of the mapping and of its fields.
-void add_stop(const Parameters& parameters, Json& mapping, Json& fields) {
+void add_stop_rules(const Parameters& parameters, Json& mapping, Json& fields) {
   if (const std::string all = parameters.word("stop"); !all.empty()) {
     mapping["stop"] = all;
   }
@@ -109,7 +109,7 @@ CommandMapping command_mapping(const Parameters& parameters) {
   Json fields = mapped_fields(parameters);
   add_limits(parameters, fields);
   add_slew(parameters, fields);
-  add_stop(parameters, mapping, fields);
+  add_stop_rules(parameters, mapping, fields);
   if (!fields.empty()) {
     mapping["mapping"] = fields;
   } else if (parameters.text("message") != "std_msgs/Float64MultiArray") {

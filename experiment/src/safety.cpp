@@ -8,7 +8,6 @@
 #include <set>
 
 #include "faults.hpp"
-#include "spikeloop/command/mapping.hpp"
 #include "spikeloop/config/message_type.hpp"
 #include "spikeloop/messages/field_path.hpp"
 
@@ -164,33 +163,28 @@ command::Override manual_override(const Node& command) {
   return {.topic = topic, .timeout = from_seconds(keys.number("timeout"))};
 }
 
-void add_operator_input(const Node& command, messages::Dialect ros,
-                        command::CommandSettings& settings) {
-  settings.emergency_stop = emergency_stop(command, ros);
-  settings.manual = manual_override(command);
-  settings.guard_required = command.parameters.boolean("guard_required");
-}
-
-void add_bounds(const Node& command, command::CommandSettings& settings) {
-  settings.fields = command::field_paths(command.mapping);
-  if (command.parameters.word("limits") != kNoLimits) {
-    settings.bounds = command::default_bounds(command.mapping, std::move(settings.bounds));
-  }
-}
-
-void add_stop(const Node& command, const std::string& sensor, command::CommandSettings& settings) {
-  settings.stops = command::stop_rules(command.mapping, settings.width);
-  const std::string& written = command.parameters.text("joint_states");
-  const std::string& topic = command.parameters.text("topic");
-  if (written == kNone) {
+command::CommandSettings command_settings(const Node& command, std::uint32_t width,
+                                          const command::LoopClock& loop,
+                                          const std::string& joint_states,
+                                          std::optional<messages::Dialect> ros) {
+  command::CommandSettings settings =
+      command::command_settings(command.parameters, command.mapping, width, loop);
+  settings.process = command.name;
+  settings.topic = command.parameters.text("topic");
+  settings.joint_states = command.parameters.text("joint_states");
+  const auto holds_joint = [](const StopRule& rule) { return !rule.joint.empty(); };
+  if (settings.joint_states == kNone || std::ranges::none_of(settings.stops, holds_joint)) {
     settings.joint_states.clear();
-  } else if (!written.empty()) {
-    settings.joint_states = written;
-  } else if (!sensor.empty()) {
-    settings.joint_states = sensor;
-  } else {
-    settings.joint_states = topic.substr(0, topic.rfind('/') + 1) + "joint_states";
+  } else if (settings.joint_states.empty()) {
+    const std::string folder = settings.topic.substr(0, settings.topic.rfind('/') + 1);
+    settings.joint_states = joint_states.empty() ? folder + "joint_states" : joint_states;
   }
+  if (ros) {
+    settings.emergency_stop = emergency_stop(command, *ros);
+    settings.manual = manual_override(command);
+    settings.guard_required = command.parameters.boolean("guard_required");
+  }
+  return settings;
 }
 
 std::string joint_state_sensor(const Experiment& experiment, const Node& command) {

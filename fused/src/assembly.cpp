@@ -9,7 +9,6 @@
 #include "endpoints.hpp"
 #include "live_view.hpp"
 #include "spikeloop/bag/recorder.hpp"
-#include "spikeloop/command/command_map_node.hpp"
 #include "spikeloop/command/mapping.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
@@ -160,13 +159,14 @@ bool Assembly::begins_anew(const Node& node) const {
 
 void Assembly::add_command(const Node& node) {
   const std::uint32_t width = experiment_.width(node.name, "in");
-  command::ComponentMap map = command::component_map(node.mapping, width);
-  const auto fields = static_cast<std::uint32_t>(map.size());
-  commands_.push_back(make_command(experiment_, node, map, transport_, keep_messages(node)));
+  auto components = command::components(node.mapping, width);
+  const auto fields = static_cast<std::uint32_t>(components.size());
+  commands_.push_back(make_command(experiment_, node, transport_, keep_messages(node)));
   take_latency(node, *commands_.back());
-  classes_.push_back(std::make_unique<NodeClass>(command::command_map_class(std::move(map))));
+  classes_.push_back(
+      std::make_unique<NodeClass>(command::command_map_class(std::move(components))));
   description_.nodes.push_back({node.name, classes_.back().get(), {}, node.where});
-  description_.sinks.push_back({sender_of(node.name), &commands_.back()->graph_sink()});
+  description_.sinks.push_back({sender_of(node.name), &commands_.back()->sink()});
   description_.connections.push_back(
       {node.name + ".out", sender_of(node.name) + ".command", fields, 0, node.where});
 }
@@ -381,7 +381,7 @@ void Assembly::take_latency(const Node& node, ros_command::CommandEndpoint& comm
     takers.push_back(view_->value(fmt::format("/{}/latency", node.name)));
   }
   if (!takers.empty()) {
-    command.on_latency([takers = std::move(takers)](TimeNs simulated, TimeNs latency) {
+    command.sink().on_latency([takers = std::move(takers)](TimeNs simulated, TimeNs latency) {
       for (const auto& take : takers) {
         take(simulated, static_cast<double>(latency) / 1e6);
       }

@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "spikeloop/command/component_map.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 #include "spikeloop/fused/transport.hpp"
 
@@ -15,11 +14,9 @@ std::unique_ptr<topics::TopicSource> make_sensor(const experiment::Experiment& e
                                                  const experiment::Node& node, Transport& transport,
                                                  topics::Keep keep);
 
-/// @param map channels to fields
 /// @throws Error as ros_command::CommandEndpoint.
 std::unique_ptr<ros_command::CommandEndpoint> make_command(const experiment::Experiment& experiment,
                                                            const experiment::Node& node,
-                                                           const command::ComponentMap& map,
                                                            Transport& transport, topics::Keep keep);
 
 }  // namespace spikeloop::fused

@@ -382,7 +382,7 @@ void StopButton::look() {
   if (const bool now = feed_.stop_pressed(); now != pressed_) {
     pressed_ = now;
     for (ros_command::CommandEndpoint* command : commands_) {
-      command->press_stop(now);
+      command->sink().press_stop(now);
     }
   }
 }

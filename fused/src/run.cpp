@@ -172,7 +172,8 @@ class Loop {
       assembly_.graph().reset(node);
     }
     if (!experiment_.episodes->reset.empty()) {
-      std::ranges::for_each(assembly_.commands(), [](auto* command) { command->allow_no_value(); });
+      std::ranges::for_each(assembly_.commands(),
+                            [](auto* command) { command->sink().allow_no_value(); });
     }
   }
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "counter.hpp"
+
 namespace command_channel_test {
 namespace {
 
@@ -25,19 +27,11 @@ class CommandChannelTest : public testing::Test {
     const double values[] = {a, b};
     next_ = channel_.command(values, now);
   }
-  std::uint64_t count(std::string_view name) const {
-    for (const auto& counter : channel_.counters()) {
-      if (counter.name == name) {
-        return counter.value;
-      }
-    }
-    ADD_FAILURE() << "no counter " << name;
-    return 0;
-  }
+  std::uint64_t count(const std::string& name) const { return counter(channel_, name); }
 
   std::vector<std::vector<double>> sent_;
   TimeNs next_ = 0;
-  CommandChannel channel_{{{{0.02, 0.02}, kMs, 100 * kMs}}, [this](auto values) {
+  CommandChannel channel_{{.gate = {{0.02, 0.02}, kMs, 100 * kMs}}, [this](auto values) {
                             sent_.emplace_back(values.begin(), values.end());
                           }};
 };
@@ -136,14 +130,14 @@ TEST_F(CommandChannelTest, after_a_continue_no_command_until_mpirun_would_have_e
   const double forward[] = {1.0, 0.0};
   channel_.command(forward, 0);
   channel_.stop(StopReason::continued, 10 * kMs);
-  EXPECT_EQ(channel_.stopped_by(), StopReason::continued);
+  EXPECT_EQ(channel_.standing().stopped, StopReason::continued);
   channel_.command(forward, 20 * kMs);
   EXPECT_THAT(sent_, ElementsAre(ElementsAre(1, 0), ElementsAre(0, 0)));
   channel_.command(forward, kContinuedPause + 9 * kMs);
   EXPECT_THAT(sent_.back(), ElementsAre(0, 0));
   channel_.command(forward, kContinuedPause + 10 * kMs);
   EXPECT_THAT(sent_.back(), ElementsAre(1, 0));
-  EXPECT_EQ(channel_.stopped_by(), std::nullopt);
+  EXPECT_EQ(channel_.standing().stopped, std::nullopt);
 }
 
 // A process that was stopped finds its last tick long past, and its data old.
@@ -188,7 +182,7 @@ TEST_F(CommandChannelTest, zeros_are_repeated_in_the_pause_after_a_continue) {
 TEST_F(CommandChannelTest, nothing_leaves_after_the_end) {
   for (const StopReason reason : {StopReason::terminated, StopReason::ended}) {
     std::vector<std::vector<double>> sent;
-    CommandChannel channel({{{0.02}, kMs, kMs}},
+    CommandChannel channel({.gate = {{0.02}, kMs, kMs}},
                            [&](auto values) { sent.emplace_back(values.begin(), values.end()); });
     const double forward[] = {1.0};
     channel.command(forward, 0);

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "counter.hpp"
 #include "spikeloop/command/command_settings.hpp"
 #include "spikeloop/command/command_sink.hpp"
 
@@ -22,27 +23,21 @@ using namespace std::chrono_literals;
 
 constexpr TimeNs kMs = 1'000'000;
 
-class CommandClockTest : public testing::Test {
+class CommandClockTest : public testing::Test, public CommandSink::Transport {
  protected:
   CommandClockTest() { Watch::block_signals(); }
 
   /// Commands with these rules: repeated every 10 ms, at most 100 ms old.
   CommandSettings settings(CommandClock clock) const {
-    return {.width = 1,
-            .with_data_stamp = true,
+    return {.with_data_stamp = true,
             .gate = {.deadband = {0.1}, .min_interval = kMs, .period = 10 * kMs},
             .watchdog = 50 * kMs,
             .max_age = 100 * kMs,
             .clock = clock};
   }
-  CommandSink::Transport transport() {
-    return {.publish =
-                [this](auto values) {
-                  const std::lock_guard lock(mutex_);  // the watch publishes, too
-                  sent_.emplace_back(values[0]);
-                },
-            .finish = [] {},
-            .interrupted = [] {}};
+  void publish(std::span<const double> values) override {
+    const std::lock_guard lock(mutex_);  // the watch publishes, too
+    sent_.emplace_back(values[0]);
   }
   /// The tick of 1 ms that ends then, with a command from data of `arrived`.
   static void tick(CommandSink& sink, TimeNs end, double value, TimeNs arrived) {
@@ -83,19 +78,10 @@ class CommandClockTest : public testing::Test {
   std::vector<double> sent_;
 };
 
-std::uint64_t counter(const CommandSink& sink, const std::string& name) {
-  for (const Counter& entry : sink.counters()) {
-    if (entry.name == name) {
-      return entry.value;
-    }
-  }
-  return 0;
-}
-
 TEST_F(CommandClockTest, RepetitionsAndAgesAreSimulated) {
   CommandSettings patient = settings(CommandClock::simulated);
   patient.watchdog = 60 * kNsPerSecond;  // a busy machine may hold up a tick
-  CommandSink sink(patient, transport());
+  CommandSink sink(patient, *this);
   for (TimeNs end = kMs; end <= 100 * kMs; end += kMs) {
     tick(sink, end, 0.5, 0);
   }
@@ -108,7 +94,7 @@ TEST_F(CommandClockTest, RepetitionsAndAgesAreSimulated) {
 TEST_F(CommandClockTest, ALoopThatWaitsIsNotSilent) {
   CommandSettings waiting = settings(CommandClock::simulated);
   waiting.watchdog = 1000 * kMs;
-  CommandSink sink(waiting, transport());
+  CommandSink sink(waiting, *this);
   sink.alive();
   tick(sink, kMs, 0.5, 0);
   for (int i = 0; i < 150; ++i) {
@@ -121,7 +107,7 @@ TEST_F(CommandClockTest, ALoopThatWaitsIsNotSilent) {
 }
 
 TEST_F(CommandClockTest, ALoopThatHangsIsSilent) {
-  CommandSink sink(settings(CommandClock::simulated), transport());
+  CommandSink sink(settings(CommandClock::simulated), *this);
   tick(sink, kMs, 0.5, 0);
   for (int i = 0; i < 1000 && counter(sink, "stops_no_tick") == 0; ++i) {
     std::this_thread::sleep_for(10ms);
@@ -135,7 +121,7 @@ TEST_F(CommandClockTest, ZerosAreRepeatedWhileTheLoopHangs) {
     CommandSettings hanging = settings(clock);
     hanging.gate.period = 0;
     hanging.max_age = 0;
-    CommandSink sink(hanging, transport());
+    CommandSink sink(hanging, *this);
     tick(sink, kMs, 0.5, 0);
     EXPECT_TRUE(zeros_follow(5));
     EXPECT_EQ(counter(sink, "stops_no_tick"), 1U);
@@ -150,7 +136,7 @@ TEST_F(CommandClockTest, ZerosAreRepeatedAfterAContinue) {
   CommandSettings continued = settings(CommandClock::wall);
   continued.max_age = 0;
   continued.watchdog = 60 * kNsPerSecond;
-  CommandSink sink(continued, transport());
+  CommandSink sink(continued, *this);
   tick(sink, kMs, 0.5, 0);
   ::kill(::getpid(), SIGCONT);
   EXPECT_TRUE(zeros_follow(5));
@@ -164,14 +150,14 @@ TEST_F(CommandClockTest, ZerosOfTheEmergencyStopAreRepeatedWhileSimulatedTimeSta
   paused.emergency_stop.topic = "/stop";
   paused.max_age = 0;
   paused.watchdog = 60 * kNsPerSecond;
-  CommandSink sink(paused, transport());
+  CommandSink sink(paused, *this);
   tick(sink, kMs, 0.5, 0);
   sink.emergency(true);
   EXPECT_TRUE(zeros_follow(5));
 }
 
 TEST_F(CommandClockTest, InLockstepNothingButTheTicksCounts) {
-  CommandSink sink(settings(CommandClock::lockstep), transport());
+  CommandSink sink(settings(CommandClock::lockstep), *this);
   tick(sink, kMs, 0.5, 0);
   ::kill(::getpid(), SIGCONT);
   std::this_thread::sleep_for(300ms);
@@ -192,7 +178,7 @@ TEST_F(CommandClockTest, WhatPeopleSayCountsAtOnceByAnyOtherClock) {
     with_topics.watchdog = 60 * kNsPerSecond;
     with_topics.max_age = 0;
     sent_.clear();
-    CommandSink sink(with_topics, transport());
+    CommandSink sink(with_topics, *this);
     tick(sink, kMs, 0.5, 0);
     const double back = -0.3;
     sink.override_with({&back, 1});
@@ -208,7 +194,7 @@ TEST_F(CommandClockTest, InLockstepWhatPeopleSayCountsFromTheNextTick) {
   CommandSettings with_topics = settings(CommandClock::lockstep);
   with_topics.emergency_stop.topic = "/stop";
   with_topics.manual = {.topic = "/by_hand", .timeout = 5 * kMs};
-  CommandSink sink(with_topics, transport());
+  CommandSink sink(with_topics, *this);
   tick(sink, kMs, 0.5, 0);
   const double back = -0.3;
   sink.override_with({&back, 1});
@@ -230,7 +216,7 @@ TEST_F(CommandClockTest, AManualCommandEndsWithoutTheLoop) {
   CommandSettings with_topics = settings(CommandClock::wall);
   with_topics.manual = {.topic = "/by_hand", .timeout = 100 * kMs};
   with_topics.max_age = 0;
-  CommandSink sink(with_topics, transport());
+  CommandSink sink(with_topics, *this);
   tick(sink, kMs, 0.5, 0);
   for (int i = 0; i < 1000 && counter(sink, "stops_no_tick") == 0; ++i) {
     std::this_thread::sleep_for(10ms);
@@ -254,7 +240,7 @@ TEST_F(CommandClockTest, ALostPublisherOfTheEmergencyStopIsNoticedWithoutAMessag
   with_topics.max_age = 0;
   with_topics.watchdog = 60 * kNsPerSecond;
   std::atomic<bool> there{true};
-  CommandSink sink(with_topics, transport());
+  CommandSink sink(with_topics, *this);
   sink.watch_publishers([&] { return there.load(); });
   for (int i = 0; i < 1000 && counter(sink, "commands") == 0; ++i) {
     tick(sink, kMs, 0.5, 0);
@@ -276,12 +262,13 @@ TEST_F(CommandClockTest, LockstepHasNoWatchdogForTheGuardEither) {
   keys.set("min_interval", 0.002);
   keys.set("watchdog", 0.1);
   keys.set("max_age", 1.0);
-  const ComponentMap map({Component{}});
-  const auto simulated = simulated_settings(keys, map, CommandClock::simulated, true);
+  keys.set("limits", std::string(kNoLimits));
+  const CommandMapping mapping{.file = "", .message_type = "", .fields = {{.field = "data"}}};
+  const auto simulated = command_settings(keys, mapping, 1, {CommandClock::simulated});
   EXPECT_EQ(simulated.gate.min_interval, 2 * kMs);
   EXPECT_EQ(simulated.gate.period, 50 * kMs);
   EXPECT_EQ(simulated.watchdog, 100 * kMs);
-  EXPECT_GT(simulated_settings(keys, map, CommandClock::lockstep, true).watchdog,
+  EXPECT_GT(command_settings(keys, mapping, 1, {CommandClock::lockstep}).watchdog,
             TimeNs{3600} * 24 * 365 * kNsPerSecond);
 }
 

@@ -14,10 +14,11 @@ using test::Fault;
 using testing::ElementsAre;
 
 constexpr TimeNs kMs = 1'000'000;
+constexpr bool kUnwatched = false;
 constexpr const char* kDriven = "the robot is driven by the network";
 
 /// Ticks of 10 ms of a sink with two sensors, of which the first is the data stamp's.
-class CommandDataTest : public testing::Test {
+class CommandDataTest : public testing::Test, public CommandSink::Transport {
  protected:
   struct Tick {
     TimeNs now = 0;
@@ -52,8 +53,7 @@ class CommandDataTest : public testing::Test {
   }
 
   static CommandSettings settings(TimeNs first, TimeNs second, TimeNs spikes = 0) {
-    return {.width = 1,
-            .with_data_stamp = true,
+    return {.with_data_stamp = true,
             .gate = {.deadband = {0.02}, .min_interval = kMs},
             .max_age = 1000 * kMs,
             .clock = CommandClock::simulated,
@@ -62,17 +62,13 @@ class CommandDataTest : public testing::Test {
             .spike_timeout = spikes};
   }
 
-  CommandSink::Transport transport() {
-    return {.publish = [this](auto values) { sent_.push_back(values[0]); },
-            .finish = [] {},
-            .watched = false};
-  }
+  void publish(std::span<const double> values) override { sent_.push_back(values[0]); }
 
   std::vector<double> sent_;
 };
 
 TEST_F(CommandDataTest, ports_are_as_many_as_what_is_watched) {
-  const CommandSink sink(settings(kMs, kMs), transport());
+  const CommandSink sink(settings(kMs, kMs), *this, kUnwatched);
   std::vector<std::string> names;
   for (const EndpointPort& port : sink.ports()) {
     names.push_back(port.name);
@@ -81,7 +77,7 @@ TEST_F(CommandDataTest, ports_are_as_many_as_what_is_watched) {
 }
 
 TEST_F(CommandDataTest, a_sensor_that_falls_silent_stops_the_robot_until_it_comes_back) {
-  CommandSink sink(settings(500 * kMs, 200 * kMs), transport());
+  CommandSink sink(settings(500 * kMs, 200 * kMs), *this, kUnwatched);
   take(sink, {.now = 1000 * kMs, .first = 990 * kMs, .second = 1000 * kMs});
   EXPECT_THAT(sent_, ElementsAre(0.5));
   take(sink, {.now = 1200 * kMs, .first = 1200 * kMs, .second = 1000 * kMs});
@@ -96,7 +92,7 @@ TEST_F(CommandDataTest, a_sensor_that_falls_silent_stops_the_robot_until_it_come
 }
 
 TEST_F(CommandDataTest, nothing_leaves_before_every_sensor_has_been_heard) {
-  CommandSink sink(settings(500 * kMs, 200 * kMs), transport());
+  CommandSink sink(settings(500 * kMs, 200 * kMs), *this, kUnwatched);
   take(sink, {.now = 1000 * kMs, .first = 1000 * kMs});
   EXPECT_TRUE(sent_.empty());
   take(sink, {.now = 1010 * kMs, .first = 1000 * kMs, .second = 1010 * kMs});
@@ -104,20 +100,20 @@ TEST_F(CommandDataTest, nothing_leaves_before_every_sensor_has_been_heard) {
 }
 
 TEST_F(CommandDataTest, a_sensor_without_timeout_may_be_silent) {
-  CommandSink sink(settings(500 * kMs, 0), transport());
+  CommandSink sink(settings(500 * kMs, 0), *this, kUnwatched);
   take(sink, {.now = 1000 * kMs, .first = 1000 * kMs});
   EXPECT_THAT(sent_, ElementsAre(0.5));
 }
 
 TEST_F(CommandDataTest, old_data_stop_the_robot_though_every_sensor_is_heard) {
-  CommandSink sink(settings(5000 * kMs, 5000 * kMs), transport());
+  CommandSink sink(settings(5000 * kMs, 5000 * kMs), *this, kUnwatched);
   take(sink, {.now = 1000 * kMs, .first = 1000 * kMs, .second = 1000 * kMs});
   take(sink, {.now = 2010 * kMs, .first = 1000 * kMs, .second = 1000 * kMs});
   EXPECT_THAT(sink.condition().text, Fault("the robot is stopped: ... max_age, 1 s"));
 }
 
 TEST_F(CommandDataTest, a_silent_network_stops_the_robot_when_it_is_asked_for) {
-  CommandSink sink(settings(0, 0, 300 * kMs), transport());
+  CommandSink sink(settings(0, 0, 300 * kMs), *this, kUnwatched);
   const auto tick = [&](TimeNs now, bool spike) {
     take(sink, {.now = now, .first = now, .second = now, .spike = spike});
   };
@@ -137,7 +133,7 @@ TEST_F(CommandDataTest, a_silent_network_stops_the_robot_when_it_is_asked_for) {
 TEST_F(CommandDataTest, latency_counts_to_the_sending_of_the_message) {
   CommandSettings slow = settings(0, 0);
   slow.gate.min_interval = 25 * kMs;
-  CommandSink sink(slow, transport());
+  CommandSink sink(slow, *this, kUnwatched);
   std::vector<TimeNs> latencies;
   sink.on_latency([&](TimeNs, TimeNs latency) { latencies.push_back(latency / kMs); });
   const auto tick = [&](TimeNs now, TimeNs arrived, double value) {
@@ -155,7 +151,7 @@ TEST_F(CommandDataTest, latency_counts_to_the_sending_of_the_message) {
 }
 
 TEST_F(CommandDataTest, a_network_may_be_silent_otherwise) {
-  CommandSink sink(settings(0, 0), transport());
+  CommandSink sink(settings(0, 0), *this, kUnwatched);
   for (TimeNs now = 1000 * kMs; now < 9000 * kMs; now += 10 * kMs) {
     take(sink, {.now = now, .first = now, .second = now});
   }

@@ -1,4 +1,4 @@
-#include "spikeloop/command/component_map.hpp"
+#include "spikeloop/command/mapping.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,19 +6,19 @@
 #include <cmath>
 #include <limits>
 
-#include "spikeloop/command/command_map_node.hpp"
-
 namespace {
 
 using namespace spikeloop::command;
+using spikeloop::CommandField;
 using testing::DoubleEq;
 using testing::ElementsAre;
 using testing::IsNan;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-/// What the node with this map puts out.
-std::vector<double> map_by_node(const ComponentMap& map, const std::vector<double>& channels) {
+/// Output of the node with these components.
+std::vector<double> map_by_node(const std::vector<CommandField>& map,
+                                const std::vector<double>& channels) {
   std::vector<double> values(map.size());
   const spikeloop_signal_input input{channels.data(), 1, std::uint32_t(channels.size()), 0};
   spikeloop_signal_output output{values.data(), 0, std::uint32_t(values.size()), 0};
@@ -33,14 +33,14 @@ std::vector<double> map_by_node(const ComponentMap& map, const std::vector<doubl
 }
 
 TEST(ComponentMap, scales_and_limits) {
-  const ComponentMap map(
-      {{1, 0.5, 0.1, -kInf, kInf}, {0, 1, 0, -0.2, 0.3}, {0, 2, 0, -kInf, kInf}});
+  const std::vector<CommandField> map = {
+      {"x", 1, 0.5, 0.1}, {"y", 0, 1, 0, -0.2, 0.3}, {"z", 0, 2, 0}};
   EXPECT_THAT(map_by_node(map, {0.9, -1}), ElementsAre(DoubleEq(-0.4), 0.3, DoubleEq(1.8)));
-  EXPECT_THAT(map.deadbands(0.01), ElementsAre(DoubleEq(0.01), DoubleEq(0.005), DoubleEq(0.04)));
+  EXPECT_THAT(deadbands(map, 0.01), ElementsAre(DoubleEq(0.01), DoubleEq(0.005), DoubleEq(0.04)));
 }
 
 TEST(ComponentMap, limits_hide_no_fault) {
-  const ComponentMap map({{0, 1, 0, -1, 1}, {1, 1, 0, -1, 1}});
+  const std::vector<CommandField> map = {{"x", 0, 1, 0, -1, 1}, {"y", 1, 1, 0, -1, 1}};
   EXPECT_THAT(map_by_node(map, {kInf, std::nan("")}), ElementsAre(kInf, IsNan()));
 }
 

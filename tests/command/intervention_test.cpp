@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "counter.hpp"
 #include "spikeloop/command/operator_input.hpp"
 
 namespace spikeloop::command::intervention_test {
@@ -22,22 +23,16 @@ constexpr TimeNs kMs = 1'000'000;
 class InterventionTest : public testing::Test {
  protected:
   explicit InterventionTest(std::vector<Bounds> bounds = {})
-      : channel_({{{0.02}, kMs, 100 * kMs}, std::move(bounds), 500 * kMs},
+      : channel_({.gate = {{0.02}, kMs, 100 * kMs},
+                  .bounds = std::move(bounds),
+                  .manual = {.timeout = 500 * kMs}},
                  [this](auto values) { sent_.push_back(values[0]); }) {}
 
   void command(double value, TimeNs now) { channel_.command({&value, 1}, now); }
   void manual(double value, TimeNs now) { channel_.override_with({&value, 1}, now); }
   void press(TimeNs now) { channel_.hold(StopReason::emergency, now); }
   void release(TimeNs now) { channel_.hold(std::nullopt, now); }
-  std::uint64_t count(std::string_view name) const {
-    for (const Counter& counter : channel_.counters()) {
-      if (counter.name == name) {
-        return counter.value;
-      }
-    }
-    ADD_FAILURE() << "no counter " << name;
-    return 0;
-  }
+  std::uint64_t count(const std::string& name) const { return counter(channel_, name); }
 
   std::vector<double> sent_;
   CommandChannel channel_;
@@ -47,7 +42,7 @@ TEST_F(InterventionTest, emergency_stop_is_a_zero_at_once_and_nothing_else_until
   command(0.5, 0);
   press(10 * kMs);
   EXPECT_THAT(sent_, ElementsAre(0.5, 0));
-  EXPECT_EQ(channel_.stopped_by(), StopReason::emergency);
+  EXPECT_EQ(channel_.standing().stopped, StopReason::emergency);
   for (TimeNs t = 11 * kMs; t < 310 * kMs; t += kMs) {
     command(0.5, t);
   }
@@ -85,7 +80,7 @@ TEST_F(InterventionTest, a_release_does_not_undo_other_stops) {
   press(10 * kMs);
   channel_.stop(StopReason::silent, 20 * kMs);
   release(30 * kMs);
-  EXPECT_EQ(channel_.stopped_by(), StopReason::silent);
+  EXPECT_EQ(channel_.standing().stopped, StopReason::silent);
   EXPECT_THAT(sent_, ElementsAre(0.5, 0, 0));
   EXPECT_EQ(channel_.poll(130 * kMs), 230 * kMs);
   EXPECT_THAT(sent_, ElementsAre(0.5, 0, 0, 0));
@@ -111,10 +106,10 @@ TEST_F(InterventionTest, manual_commands_leave_in_place_of_the_networks) {
   EXPECT_EQ(sent_.back(), 0.1);
   command(0.5, 599 * kMs);
   EXPECT_EQ(sent_.back(), 0.1) << "500 ms from the newest one";
-  EXPECT_TRUE(channel_.overridden());
+  EXPECT_TRUE(channel_.standing().overridden);
   command(0.5, 600 * kMs);
   EXPECT_EQ(sent_.back(), 0.5);
-  EXPECT_FALSE(channel_.overridden());
+  EXPECT_FALSE(channel_.standing().overridden);
   EXPECT_EQ(count("overrides"), 1U);
 }
 
@@ -130,7 +125,7 @@ TEST_F(InterventionTest, manual_commands_drive_a_robot_whose_network_may_not_and
     EXPECT_EQ(sent_.back(), 0.2) << stop_reason_name(reason);
     channel_.poll(begin + 510 * kMs);
     EXPECT_EQ(sent_.back(), 0) << stop_reason_name(reason);
-    EXPECT_EQ(channel_.stopped_by(), reason);
+    EXPECT_EQ(channel_.standing().stopped, reason);
   }
 }
 
@@ -190,7 +185,7 @@ class AheadTest : public InterventionTest {
 
 TEST_F(AheadTest, a_manual_command_that_is_not_finite_is_a_zero_whatever_the_limits) {
   EXPECT_THAT(sent_after_manual(std::nan("")), AllOf(SizeIs(Ge(1)), Each(0)));
-  EXPECT_EQ(channel_.stopped_by(), StopReason::not_finite);
+  EXPECT_EQ(channel_.standing().stopped, StopReason::not_finite);
   manual(0.3, 501 * kMs);
   EXPECT_EQ(sent_.back(), 0.3);
   command(0.5, 1100 * kMs);
@@ -269,14 +264,14 @@ TEST_F(InterventionTest, what_is_said_counts_when_it_is_applied) {
   EXPECT_THAT(sent_, ElementsAre(0.5, -0.3)) << "once";
   people.emergency(true, 0);
   people.apply(0, 3 * kMs);
-  EXPECT_EQ(channel_.stopped_by(), StopReason::emergency);
+  EXPECT_EQ(channel_.standing().stopped, StopReason::emergency);
   people.emergency(false, 0);
   people.apply(0, 4 * kMs);
   command(0.5, 5 * kMs);
-  EXPECT_EQ(channel_.stopped_by(), std::nullopt);
+  EXPECT_EQ(channel_.standing().stopped, std::nullopt);
   there = false;
   people.apply(0, 6 * kMs);
-  EXPECT_EQ(channel_.stopped_by(), StopReason::emergency_unknown);
+  EXPECT_EQ(channel_.standing().stopped, StopReason::emergency_unknown);
 }
 
 TEST_F(InterventionTest, no_message_releases_the_stop_button) {
@@ -285,15 +280,15 @@ TEST_F(InterventionTest, no_message_releases_the_stop_button) {
   people.press_stop(true);
   people.emergency(false, 0);
   people.apply(0, kMs);
-  EXPECT_EQ(channel_.stopped_by(), StopReason::stop_button);
+  EXPECT_EQ(channel_.standing().stopped, StopReason::stop_button);
   people.emergency(true, 0);
   people.press_stop(false);
   people.apply(0, 2 * kMs);
-  EXPECT_EQ(channel_.stopped_by(), StopReason::emergency);
+  EXPECT_EQ(channel_.standing().stopped, StopReason::emergency);
   people.emergency(false, 0);
   people.apply(0, 3 * kMs);
   command(0.5, 4 * kMs);
-  EXPECT_EQ(channel_.stopped_by(), std::nullopt);
+  EXPECT_EQ(channel_.standing().stopped, std::nullopt);
 }
 
 TEST_F(InterventionTest, only_zeros_are_sent_without_supervision) {
@@ -301,19 +296,19 @@ TEST_F(InterventionTest, only_zeros_are_sent_without_supervision) {
   command(0.5, 0);
   input.set_lost_supervision(StopReason::unsupervised);
   input.apply(0, kMs);
-  EXPECT_EQ(channel_.stopped_by(), StopReason::unsupervised);
+  EXPECT_EQ(channel_.standing().stopped, StopReason::unsupervised);
   manual(0.7, 2 * kMs);
   command(0.5, 150 * kMs);
   channel_.poll(250 * kMs);
   EXPECT_THAT(sent_, ElementsAre(0.5, 0, 0, 0)) << "zeros are repeated";
   input.emergency(true, 0);
   input.apply(0, 251 * kMs);
-  EXPECT_EQ(channel_.stopped_by(), StopReason::emergency);
+  EXPECT_EQ(channel_.standing().stopped, StopReason::emergency);
   input.emergency(false, 0);
   input.set_lost_supervision(std::nullopt);
   input.apply(0, 252 * kMs);
   command(0.5, 253 * kMs);
-  EXPECT_EQ(channel_.stopped_by(), std::nullopt);
+  EXPECT_EQ(channel_.standing().stopped, std::nullopt);
   EXPECT_EQ(sent_.back(), 0.5);
   EXPECT_EQ(count("stops_unsupervised"), 1U);
 }

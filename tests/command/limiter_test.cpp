@@ -6,7 +6,6 @@
 #include <cmath>
 #include <random>
 
-#include "spikeloop/command/default_bounds.hpp"
 #include "spikeloop/command/mapping.hpp"
 
 namespace spikeloop::command::limiter_test {
@@ -114,7 +113,7 @@ TEST(DefaultBounds, a_limit_of_the_mapping_stands) {
   CommandMapping mapping{.file = "", .message_type = "geometry_msgs/Twist"};
   mapping.fields = {{.field = "linear.x", .channel = 0, .maximum = 5, .slew = 2},
                     {.field = "angular.z", .channel = 1, .slew = 7}};
-  const auto bounds = default_bounds(mapping, component_map(mapping, 2).bounds());
+  const auto bounds = command::bounds(mapping, 2, true);
   ASSERT_EQ(bounds.size(), 2U);
   EXPECT_TRUE(std::isinf(bounds[0].minimum));
   EXPECT_EQ(bounds[0].maximum, 5);

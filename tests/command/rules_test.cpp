@@ -1,7 +1,7 @@
 // The rules of sensors, spikes and the emergency stop, each against times that are worked out.
 #include <gtest/gtest.h>
 
-#include "spikeloop/command/emergency_stop.hpp"
+#include "spikeloop/command/operator_input.hpp"
 #include "spikeloop/command/silence_watch.hpp"
 
 namespace spikeloop::command::rules_test {

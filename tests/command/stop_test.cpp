@@ -23,7 +23,7 @@ class StopTest : public testing::Test {
  protected:
   using Values = std::vector<double>;
 
-  static ChannelSettings settings() {
+  static CommandSettings settings() {
     return {.gate = {.deadband = {0, 0}, .period = 50 * kMs},
             .stops = {{.hold = true, .joint = "elbow"}, {}}};
   }
@@ -103,7 +103,7 @@ TEST_F(StopTest, the_guard_sends_what_a_stop_would_send) {
 }
 
 TEST_F(StopTest, the_way_back_starts_where_the_joint_is_held) {
-  ChannelSettings slow = settings();
+  CommandSettings slow = settings();
   slow.bounds = {{.slew = 1}, {.slew = 1}};
   CommandChannel arm(slow, [this](auto sent) { sent_.emplace_back(sent.begin(), sent.end()); });
   arm.measure(values(0.4, kNan), 0);

@@ -9,7 +9,6 @@ namespace {
 class TextsTest : public testing::Test {
  protected:
   TextsTest() {
-    settings_.width = 1;
     settings_.gate.deadband = {0};
     settings_.max_age = 1'000'000'000;
     settings_.watchdog = 100'000'000;
@@ -22,7 +21,7 @@ class TextsTest : public testing::Test {
   std::string cause(StopReason reason) const { return stop_cause(reason, settings_, 0); }
 
   CommandSettings settings_;
-  CommandChannel channel_{{{{0}}}, [](auto) {}};
+  CommandChannel channel_{{.gate = {{0}}}, [](auto) {}};
 };
 
 TEST_F(TextsTest, every_reason_has_its_cause) {

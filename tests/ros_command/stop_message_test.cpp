@@ -24,7 +24,10 @@ constexpr const char* kType = "sensor_msgs/JointState";
 class StopMessageTest : public testing::TestWithParam<Dialect> {
  protected:
   static command::CommandSettings settings() {
-    return {.width = 2,
+    return {.process = "arm",
+            .topic = "/joint_commands",
+            .message_type = kType,
+            .fields = {"position[name=elbow]", "velocity[name=wheel]"},
             .gate = {.deadband = {0, 0}},
             .clock = command::CommandClock::lockstep,
             .stops = {{.hold = true, .joint = "elbow"}, {}},
@@ -65,25 +68,22 @@ class StopMessageTest : public testing::TestWithParam<Dialect> {
       {.topic = "/joint_commands", .message_type = kType, .take = [this](auto message) {
          newest_.assign(message.begin(), message.end());
        }});
-  CommandEndpoint command_{
-      session_,
-      {"arm", "/joint_commands", kType, {"position[name=elbow]", "velocity[name=wheel]"}},
-      settings()};
+  CommandEndpoint command_{session_, settings()};
 };
 
 TEST_P(StopMessageTest, holds_the_measured_position) {
-  tick(command_.graph_sink(), kMs);
+  tick(command_.sink(), kMs);
   EXPECT_THAT(last("position"), ElementsAre(1.5, IsNan()));
   EXPECT_THAT(last("velocity"), ElementsAre(IsNan(), 4));
   report(0.4);
-  EXPECT_EQ(command_.positions_received(), 1U);
+  EXPECT_EQ(command_.positions()->received(), 1U);
   command_.stop(command::StopReason::ended);
   EXPECT_THAT(last("position"), ElementsAre(0.4, IsNan()));
   EXPECT_THAT(last("velocity"), ElementsAre(IsNan(), 0));
 }
 
 TEST_P(StopMessageTest, holds_the_last_command_of_a_joint_that_nobody_reports) {
-  tick(command_.graph_sink(), kMs);
+  tick(command_.sink(), kMs);
   command_.stop(command::StopReason::ended);
   EXPECT_THAT(last("position"), ElementsAre(1.5, IsNan()));
   EXPECT_THAT(last("velocity"), ElementsAre(IsNan(), 0));

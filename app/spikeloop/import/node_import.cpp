@@ -330,10 +330,9 @@ void NodeImporter::add_fields(const MusicSection& section, const RosProgram& pro
   }
   add("fields", fields);
   const MusicKey* limits = find(section, "default_limits");
-  const auto bounds = command::component_map(mapping, 0).bounds();
-  const auto others = command::default_bounds(mapping, bounds);
   const bool without =
-      !std::ranges::equal(bounds, others, {}, &command::Bounds::maximum, &command::Bounds::maximum);
+      !std::ranges::equal(command::bounds(mapping, 0, false), command::bounds(mapping, 0, true), {},
+                          &command::Bounds::maximum, &command::Bounds::maximum);
   if (without && (limits == nullptr || limits->value != "true")) {
     add("limits", experiment::kNoLimits);
   }

@@ -17,8 +17,11 @@ bool is_final(StopReason reason) {
 bool is_finite(std::span<const double> values) {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
+bool is_unknown(std::span<const double> values) {
+  return std::ranges::all_of(values, [](double value) { return std::isnan(value); });
+}
 
-std::vector<Bounds> bounds_of(const ChannelSettings& settings) {
+std::vector<Bounds> bounds_of(const CommandSettings& settings) {
   std::vector<Bounds> bounds = settings.bounds;
   bounds.resize(settings.gate.deadband.size());
   for (std::size_t i = 0; i < std::min(bounds.size(), settings.stops.size()); ++i) {
@@ -29,13 +32,13 @@ std::vector<Bounds> bounds_of(const ChannelSettings& settings) {
 
 }  // namespace
 
-CommandChannel::CommandChannel(const ChannelSettings& settings, Publish publish)
+CommandChannel::CommandChannel(const CommandSettings& settings, Publish publish)
     : gate_(settings.gate),
       limiter_(bounds_of(settings), settings.gate.deadband.size()),
       publish_(std::move(publish)),
       rules_(settings.stops),
       measured_(settings.gate.deadband.size()),
-      override_timeout_(settings.override_timeout) {
+      override_timeout_(settings.manual.timeout) {
   rules_.resize(measured_.size());
   stop_ = computed_stop(0);
 }
@@ -68,9 +71,7 @@ std::vector<double> CommandChannel::computed_stop(TimeNs now) const {
 
 TimeNs CommandChannel::command(std::span<const double> values, TimeNs now) {
   if (!is_finite(values)) {
-    const bool nothing =
-        std::ranges::all_of(values, [](double value) { return std::isnan(value); });
-    return stop(nothing ? StopReason::no_value : StopReason::not_finite, now);
+    return stop(is_unknown(values) ? StopReason::no_value : StopReason::not_finite, now);
   }
   const std::lock_guard lock(mutex_);
   if (state_ == State::closed) {
@@ -79,7 +80,7 @@ TimeNs CommandChannel::command(std::span<const double> values, TimeNs now) {
   network_stop_.reset();
   // The pause lasts whatever else has stopped the robot since it began.
   if (held_ || now < suspended_until_) {
-    return repeat_stop_command(now);
+    return repeat(now);
   }
   return still_overridden(now) ? drive_by_hand(now) : drive(values, now);
 }
@@ -92,20 +93,21 @@ TimeNs CommandChannel::stop(StopReason reason, TimeNs now) {
   if (reason <= StopReason::silent) {
     network_stop_ = reason;
     if (held_) {
-      return repeat_stop_command(now);
+      return repeat(now);
     }
-    if (still_overridden(now)) {
-      return drive_by_hand(now);
-    }
-    return stop_network(reason, now);
+    return still_overridden(now) ? drive_by_hand(now) : stop_network(reason, now);
   }
-  ++stops_[static_cast<std::size_t>(reason)];
-  reason_ = reason;
-  enter(is_final(reason) ? State::closed : State::stopped, now);
   overridden_ = false;
   if (reason == StopReason::continued) {
     suspended_until_ = now + kContinuedPause;
   }
+  return halt(reason, now);
+}
+
+TimeNs CommandChannel::halt(StopReason reason, TimeNs now) {
+  ++stops_[static_cast<std::size_t>(reason)];
+  reason_ = reason;
+  enter(is_final(reason) ? State::closed : State::stopped, now);
   send_stop(now);
   return next_due();
 }
@@ -140,14 +142,8 @@ TimeNs CommandChannel::stop_network(StopReason reason, TimeNs now) {
   if (state_ == State::idle && is_from_loop(reason)) {
     return kNever;
   }
-  if (is_from_loop(reason) && state_ == State::stopped && reason_ == reason) {
-    return repeat_stop_command(now);
-  }
-  ++stops_[static_cast<std::size_t>(reason)];
-  reason_ = reason;
-  enter(State::stopped, now);
-  send_stop(now);
-  return next_due();
+  const bool lasts = is_from_loop(reason) && state_ == State::stopped && reason_ == reason;
+  return lasts ? repeat(now) : halt(reason, now);
 }
 
 void CommandChannel::hold(std::optional<StopReason> reason, TimeNs now) {
@@ -158,10 +154,7 @@ void CommandChannel::hold(std::optional<StopReason> reason, TimeNs now) {
   held_ = reason;
   overridden_ = false;
   if (reason) {
-    ++stops_[static_cast<std::size_t>(*reason)];
-    reason_ = *reason;
-    enter(State::stopped, now);
-    send_stop(now);
+    halt(*reason, now);
   } else if (!driven_) {
     enter(State::idle, now);
   } else if (network_stop_) {
@@ -186,20 +179,16 @@ void CommandChannel::override_with(std::span<const double> values, TimeNs now) {
   overridden_ = true;
   override_until_ = now + override_timeout_;
   override_.assign(values.begin(), values.end());
-  override_stops_ = !is_finite(values);
-  if (override_stops_) {
-    ++stops_[static_cast<std::size_t>(StopReason::not_finite)];
-    reason_ = StopReason::not_finite;
-    enter(State::stopped, now);
-    send_stop(now);
-  } else {
+  if (is_finite(values)) {
     drive(override_, now);
+  } else {
+    halt(StopReason::not_finite, now);
   }
 }
 
-/// What is not a number is a zero, and not the least value that the limits allow.
+/// A value that is not finite stops the robot; the limits do not apply to it.
 TimeNs CommandChannel::drive_by_hand(TimeNs now) {
-  return override_stops_ ? repeat_stop_command(now) : drive(override_, now);
+  return is_finite(override_) ? drive(override_, now) : repeat(now);
 }
 
 bool CommandChannel::still_overridden(TimeNs now) {
@@ -216,30 +205,30 @@ TimeNs CommandChannel::drive(std::span<const double> values, TimeNs now) {
     limiter_.restart(stop_, now);
   }
   if (gate_.offer(limiter_.shape(values, now, overridden_), now)) {
-    driven_ = true;
-    ++commands_;
-    publish_(gate_.current());
+    publish();
   }
   return next_due();
 }
 
-TimeNs CommandChannel::repeat_stop_command(TimeNs now) {
-  if (state_ == State::stopped && gate_.poll(now)) {
-    publish_stop();
+TimeNs CommandChannel::repeat(TimeNs now) {
+  if ((state_ == State::stopped || state_ == State::running) && gate_.poll(now)) {
+    publish();
   }
   return next_due();
 }
 
 void CommandChannel::send_stop(TimeNs now) {
   gate_.force(stop_, now);
-  publish_stop();
+  publish();
 }
 
-/// A robot that was never driven is not moved to a position that nobody knows.
-void CommandChannel::publish_stop() {
-  const auto unknown = [](double value) { return std::isnan(value); };
-  if (!std::ranges::all_of(stop_, unknown)) {
-    publish_(stop_);
+/// A robot that was never driven is not moved to a position that is not known.
+void CommandChannel::publish() {
+  const bool is_command = state_ == State::running;
+  driven_ = driven_ || is_command;
+  commands_ += is_command ? 1 : 0;
+  if (is_command || !is_unknown(gate_.current())) {
+    publish_(gate_.current());
   }
 }
 
@@ -255,17 +244,7 @@ TimeNs CommandChannel::poll(TimeNs now) {
   if (overridden_ && !still_overridden(now) && network_stop_) {
     return stop_network(*network_stop_, now);
   }
-  const bool may_send = state_ == State::running || state_ == State::stopped;
-  if (!may_send || !gate_.poll(now)) {
-    return next_due();
-  }
-  if (state_ == State::running) {
-    ++commands_;
-    publish_(gate_.current());
-  } else {
-    publish_stop();
-  }
-  return next_due();
+  return repeat(now);
 }
 
 void CommandChannel::repeat_stop(TimeNs now) {

@@ -25,7 +25,7 @@ bool CommandGate::moved() const {
   return false;
 }
 
-TimeNs CommandGate::due() const {
+TimeNs CommandGate::due(TimeNs more_grace) const {
   if (!any_) {
     return kNever;
   }
@@ -44,7 +44,7 @@ TimeNs CommandGate::due() const {
     return kNever;
   }
   const bool is_first = last_time_ == last_change_;
-  return last_time_ + settings_.period + (is_first ? settings_.grace : 0);
+  return last_time_ + settings_.period + (is_first ? settings_.grace : 0) + more_grace;
 }
 
 bool CommandGate::send(TimeNs now) {
@@ -62,7 +62,7 @@ bool CommandGate::offer(std::span<const double> command, TimeNs now) {
   std::ranges::copy(command, current_.begin());
   any_ = true;
   forced_ = false;
-  return now >= due() && send(now);
+  return now >= due(0) && send(now);
 }
 
 bool CommandGate::poll(TimeNs now) {
@@ -70,9 +70,7 @@ bool CommandGate::poll(TimeNs now) {
 }
 
 TimeNs CommandGate::next_due() const {
-  const TimeNs time = due();
-  const bool repetition = any_ && sent_ && !forced_ && time != kNever && !moved();
-  return repetition ? time + settings_.poll_grace : time;
+  return due(settings_.poll_grace);
 }
 
 void CommandGate::force(std::span<const double> command, TimeNs now) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "spikeloop/command/mapping.hpp"
+
 namespace spikeloop::command {
 namespace {
 
@@ -11,54 +13,49 @@ constexpr TimeNs kLongestJitter = 20'000'000;  // of a sensor's driver
 constexpr TimeNs kLeastWatchdog = 100'000'000;
 constexpr TimeNs kYears = 1'000'000'000 * kNsPerSecond;
 
-}  // namespace
-
-CommandSettings command_settings(const Parameters& keys, const ComponentMap& map,
-                                 double command_rate, const LoopClock& clock,
-                                 bool with_data_stamp) {
-  const auto wall = [&](double simulated_s) {
-    return from_seconds(simulated_s / clock.real_time_factor);
-  };
-  const TimeNs tick = wall(to_seconds(clock.tick));
-  CommandSettings settings;
-  settings.gate.deadband = map.deadbands(keys.number("deadband"));
-  if (keys.given("min_interval")) {
-    settings.gate.min_interval = from_seconds(keys.number("min_interval"));
-  } else {
-    settings.gate.min_interval = std::max(tick, kLeastInterval);
-    settings.gate.tolerance = tick / 2;
+/// Adapts the settings to a loop whose ticks last `tick` of wall time.
+void adapt_to_wall_clock(const Parameters& keys, TimeNs tick, CommandSettings& settings) {
+  GateSettings& gate = settings.gate;
+  if (!keys.given("min_interval")) {
+    gate.min_interval = std::max(tick, kLeastInterval);
+    gate.tolerance = tick / 2;
   }
-  settings.gate.period = command_rate > 0 ? wall(1 / command_rate) : 0;
-  if (tick < settings.gate.period) {
-    settings.gate.grace = std::min(settings.gate.period / 4, kLongestJitter);
+  if (tick < gate.period) {
+    gate.grace = std::min(gate.period / 4, kLongestJitter);
     // Fast ticks repeat commands themselves, with newer values.
-    settings.gate.poll_grace = tick + tick / 2;
+    gate.poll_grace = tick + tick / 2;
   }
-  settings.watchdog = keys.given("watchdog") ? from_seconds(keys.number("watchdog"))
-                                             : std::max(3 * tick, kLeastWatchdog);
-  settings.max_age = from_seconds(keys.number("max_age"));
-  settings.width = static_cast<std::uint32_t>(map.size());
-  settings.with_data_stamp = with_data_stamp;
-  settings.bounds = map.bounds();
-  return settings;
+  if (!keys.given("watchdog")) {
+    settings.watchdog = std::max(3 * tick, kLeastWatchdog);
+  }
 }
 
-CommandSettings simulated_settings(const Parameters& keys, const ComponentMap& map,
-                                   CommandClock clock, bool with_data_stamp) {
+}  // namespace
+
+CommandSettings command_settings(const Parameters& keys, const CommandMapping& mapping,
+                                 std::uint32_t width, const LoopClock& loop) {
+  const double pace = loop.clock == CommandClock::wall ? loop.real_time_factor : 1;
+  const auto in_clock = [&](double simulated_s) { return from_seconds(simulated_s / pace); };
   const double rate = keys.number("command_rate");
-  const bool every_step = clock == CommandClock::lockstep && !keys.given("min_interval");
-  CommandSettings settings;
-  settings.gate = {.deadband = map.deadbands(keys.number("deadband")),
-                   .min_interval = every_step ? kLeastLockstepInterval
-                                              : from_seconds(keys.number("min_interval")),
-                   .period = rate > 0 ? from_seconds(1 / rate) : 0};
-  settings.watchdog =
-      clock == CommandClock::lockstep ? kYears : from_seconds(keys.number("watchdog"));
-  settings.max_age = from_seconds(keys.number("max_age"));
-  settings.width = static_cast<std::uint32_t>(map.size());
-  settings.with_data_stamp = with_data_stamp;
-  settings.clock = clock;
-  settings.bounds = map.bounds();
+  CommandSettings settings{
+      .message_type = mapping.message_type,
+      .fields = field_paths(mapping),
+      .gate = {.deadband = deadbands(components(mapping, width), keys.number("deadband")),
+               .min_interval = from_seconds(keys.number("min_interval")),
+               .period = rate > 0 ? in_clock(1 / rate) : 0},
+      .watchdog = from_seconds(keys.number("watchdog")),
+      .max_age = from_seconds(keys.number("max_age")),
+      .clock = loop.clock,
+      .bounds = bounds(mapping, width, keys.word("limits") != kNoLimits),
+      .stops = stop_rules(mapping, width)};
+  if (loop.clock == CommandClock::wall) {
+    adapt_to_wall_clock(keys, in_clock(to_seconds(loop.tick)), settings);
+  } else if (loop.clock == CommandClock::lockstep) {
+    settings.watchdog = kYears;
+    if (!keys.given("min_interval")) {
+      settings.gate.min_interval = kLeastLockstepInterval;
+    }
+  }
   return settings;
 }
 

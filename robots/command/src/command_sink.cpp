@@ -1,6 +1,8 @@
 #include "spikeloop/command/command_sink.hpp"
 
 #include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,24 +16,21 @@
 namespace spikeloop::command {
 namespace {
 
-/// How often the watch looks for what nobody tells: that a publisher is gone, that a time is over.
+/// Period in which the watch looks for lost publishers and time-outs.
 constexpr TimeNs kLook = 20'000'000;
 
 std::vector<TimeNs> timeouts(const std::vector<WatchedSensor>& sensors) {
-  std::vector<TimeNs> result;
-  result.reserve(sensors.size());
-  for (const WatchedSensor& sensor : sensors) {
-    result.push_back(sensor.timeout);
-  }
+  std::vector<TimeNs> result(sensors.size());
+  std::ranges::transform(sensors, result.begin(), &WatchedSensor::timeout);
   return result;
 }
 
 }  // namespace
 
-CommandSink::CommandSink(const CommandSettings& settings, Transport transport)
+CommandSink::CommandSink(const CommandSettings& settings, Transport& transport, bool watched)
     : settings_(settings),
-      transport_(std::move(transport)),
-      channel_({settings.gate, settings.bounds, settings.manual.timeout, settings.stops},
+      transport_(transport),
+      channel_(settings,
                [this](std::span<const double> values) {
                  transport_.publish(values);
                  published_ = now();
@@ -39,12 +38,12 @@ CommandSink::CommandSink(const CommandSettings& settings, Transport transport)
       sensors_(timeouts(settings.sensors)),
       spikes_({settings.spike_timeout}),
       operator_(settings.emergency_stop, channel_) {
-  if (transport_.watched) {
-    watch_.emplace(
-        settings.watchdog,
-        Watch::Actions{[this](StopReason reason) { stop_from_watch(reason); },
-                       [this](TimeNs now) { return channel_.poll(now); }, transport_.interrupted,
-                       [this](TimeNs wall) { return beat(wall); }});
+  if (watched) {
+    watch_.emplace(settings.watchdog,
+                   Watch::Actions{[this](StopReason reason) { stop_from_watch(reason); },
+                                  [this](TimeNs now) { return channel_.poll(now); },
+                                  [] { ::kill(::getpid(), SIGTERM); },
+                                  [this](TimeNs wall) { return beat(wall); }});
   }
 }
 
@@ -53,7 +52,7 @@ CommandSink::~CommandSink() {
 }
 
 std::vector<EndpointPort> CommandSink::ports() const {
-  std::vector<EndpointPort> ports = {{"command", PortKind::signal, settings_.width}};
+  std::vector<EndpointPort> ports = {{"command", PortKind::signal, settings_.width()}};
   if (settings_.with_data_stamp) {
     ports.push_back({"data_stamp", PortKind::signal, 1});
   }
@@ -67,7 +66,7 @@ std::vector<EndpointPort> CommandSink::ports() const {
 }
 
 void CommandSink::send(const Step& step) {
-  if (transport_.begin_tick && !transport_.begin_tick(step.interval().end)) {
+  if (!transport_.begin_tick(step.interval().end)) {
     alive();
     return;
   }
@@ -89,15 +88,13 @@ void CommandSink::send(const Step& step) {
     watch_->heartbeat(settings_.clock == CommandClock::wall ? due : kNever);
   }
   announce();
-  if (transport_.end_tick) {
-    transport_.end_tick();
-  }
+  transport_.end_tick();
 }
 
 std::optional<StopReason> CommandSink::reason_to_stop(const Step& step, TimeNs now) {
   const std::optional<TimeNs> age = age_of_data(step, now);
   note_arrivals(step, now);
-  // Without a message there is nothing to drive on, whatever an encoder and an offset make of it.
+  // Without a message there are no data, whatever an encoder and an offset compute.
   if (!step.signal_input(0).valid() || (settings_.with_data_stamp && !age)) {
     return StopReason::no_value;
   }
@@ -198,8 +195,8 @@ void CommandSink::intervene(TimeNs wall) {
 }
 
 TimeNs CommandSink::beat(TimeNs wall) {
-  const TimeNs next = transport_.beat ? transport_.beat(wall) : kNever;
-  if (transport_.lost_supervision && settings_.clock != CommandClock::lockstep) {
+  const TimeNs next = transport_.beat(wall);
+  if (settings_.clock != CommandClock::lockstep) {
     operator_.set_lost_supervision(transport_.lost_supervision(wall));
   }
   intervene(wall);
@@ -271,7 +268,7 @@ Condition CommandSink::condition_of(const CommandChannel::Standing& standing) co
 }
 
 void CommandSink::stop(StopReason reason) {
-  // Whoever comes second waits: its process may end at once, and the zero must be on its way.
+  // A second caller waits: its process may end at once, and the stop must be on its way.
   const std::lock_guard lock(stopping_);
   if (stopped_) {
     return;
@@ -302,7 +299,7 @@ nlohmann::json CommandSink::summary() const {
 }
 
 std::string CommandSink::missing_data() const {
-  const auto reason = channel_.stopped_by();
+  const auto reason = channel_.standing().stopped;
   const bool missing = reason == StopReason::sensor_silent || reason == StopReason::stale;
   return missing ? "the robot was stopped when the run ended: " +
                        stop_cause(*reason, settings_, silent_sensor_)

@@ -1,4 +1,4 @@
-// What the user is told of a command.
+// Messages about a command for the user.
 #include <fmt/format.h>
 
 #include "spikeloop/command/command_sink.hpp"

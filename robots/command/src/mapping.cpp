@@ -1,11 +1,11 @@
 #include "spikeloop/command/mapping.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
-#include <string_view>
-#include <utility>
-
-#include "spikeloop/command/default_bounds.hpp"
+#include <cmath>
+#include <span>
 
 namespace spikeloop::command {
 namespace {
@@ -30,45 +30,40 @@ std::string selected_name(std::string_view component) {
              : std::string(component.substr(equals + 1, component.size() - equals - 2));
 }
 
-/// The first component of a path, without the '.' after it. A name in brackets may contain '.'.
-std::string_view first_component(std::string_view path) {
-  std::size_t end = 0;
-  for (bool inside = false; end < path.size() && (inside || path[end] != '.'); ++end) {
-    inside = path[end] == '[' || (inside && path[end] != ']');
-  }
-  return path.substr(0, end);
-}
-
-/// Calls `take` with each component of a path, until it returns true.
-template <typename Take>
-bool any_component(std::string_view path, Take&& take) {
-  while (!path.empty()) {
-    const std::string_view component = first_component(path);
-    path.remove_prefix(std::min(component.size() + 1, path.size()));
-    if (take(component, component.substr(0, component.find('[')))) {
-      return true;
+/// The components of a path, between '.'. A name in brackets may contain '.'.
+std::vector<std::string_view> path_components(std::string_view path) {
+  std::vector<std::string_view> components;
+  bool in_brackets = false;
+  for (std::size_t begin = 0, end = 0; end <= path.size(); ++end) {
+    if (end == path.size() || (path[end] == '.' && !in_brackets)) {
+      components.push_back(path.substr(begin, end - begin));
+      begin = end + 1;
+    } else {
+      in_brackets = path[end] == '[' || (in_brackets && path[end] != ']');
     }
   }
-  return false;
+  return components;
+}
+
+/// True if the name of a component, without its brackets, is in the list.
+bool is_one_of(std::span<const std::string_view> names, std::string_view component) {
+  return std::ranges::find(names, component.substr(0, component.find('['))) != names.end();
 }
 
 bool is_rate(std::string_view path) {
-  return any_component(path, [](std::string_view, std::string_view name) {
-    return std::ranges::find(kRates, name) != kRates.end();
+  return std::ranges::any_of(path_components(path), [](std::string_view component) {
+    return is_one_of(kRates, component);
   });
 }
 
 StopRule default_stop(const std::string& message_type, std::string_view path) {
   const bool is_position = std::ranges::find(kPositionTypes, message_type) != kPositionTypes.end();
-  StopRule rule;
-  any_component(path, [&](std::string_view component, std::string_view name) {
-    if (!is_position && std::ranges::find(kPositions, name) == kPositions.end()) {
-      return false;
+  for (const std::string_view component : path_components(path)) {
+    if (is_position || is_one_of(kPositions, component)) {
+      return {.hold = true, .joint = selected_name(component)};
     }
-    rule = {.hold = true, .joint = selected_name(component)};
-    return true;
-  });
-  return rule;
+  }
+  return {};
 }
 
 /// A field that is held without the name of a joint is held by that of its path. A velocity or an
@@ -90,41 +85,56 @@ StopRule stop_rule(const std::string& message_type, const CommandField& field) {
 
 }  // namespace
 
-ComponentMap component_map(const CommandMapping& mapping, std::uint32_t width) {
-  std::vector<Component> components;
-  if (mapping.all_channels) {
-    for (std::uint32_t channel = 0; channel < width; ++channel) {
-      components.push_back({.channel = channel});
-    }
+std::vector<CommandField> components(const CommandMapping& mapping, std::uint32_t width) {
+  std::vector<CommandField> components = mapping.fields;
+  for (std::uint32_t i = 0; mapping.all_channels && i < width; ++i) {
+    components.push_back({.field = fmt::format("data[{}]", i), .channel = i, .stop = mapping.stop});
   }
-  for (const CommandField& field : mapping.fields) {
-    Component component{.channel = field.channel, .scale = field.scale, .offset = field.offset};
-    component.minimum = field.minimum.value_or(component.minimum);
-    component.maximum = field.maximum.value_or(component.maximum);
-    component.slew = field.slew.value_or(component.slew);
-    components.push_back(component);
-  }
-  return ComponentMap(std::move(components));
+  return components;
 }
 
-std::vector<Bounds> default_bounds(const CommandMapping& mapping, std::vector<Bounds> bounds) {
-  for (std::size_t i = 0; i < mapping.fields.size(); ++i) {
-    const CommandField& field = mapping.fields[i];
-    if (!field.minimum && !field.maximum) {
-      const Bounds own = default_bounds(mapping.message_type, field.field);
-      bounds[i].minimum = own.minimum;
-      bounds[i].maximum = own.maximum;
-    }
+std::vector<double> deadbands(const std::vector<CommandField>& components, double fraction) {
+  std::vector<double> bands;
+  for (const CommandField& component : components) {
+    const bool limited = component.minimum && component.maximum;
+    bands.push_back(fraction * (limited ? *component.maximum - *component.minimum
+                                        : 2 * std::fabs(component.scale)));
   }
-  return bounds;
+  return bands;
 }
 
-std::vector<StopRule> stop_rules(const CommandMapping& mapping, std::size_t width) {
-  if (mapping.all_channels) {
-    return std::vector<StopRule>(width, mapping.stop.value_or(StopRule{}));
+Bounds default_bounds(std::string_view message_type, std::string_view field) {
+  constexpr double kSpeed = 1;         // m/s
+  constexpr double kTurningSpeed = 3;  // rad/s
+  const bool stamped = message_type == "geometry_msgs/TwistStamped";
+  const std::string velocity = stamped ? "twist." : "";
+  if (stamped || message_type == "geometry_msgs/Twist") {
+    if (field.starts_with(velocity + "linear")) {
+      return {.minimum = -kSpeed, .maximum = kSpeed};
+    }
+    if (field.starts_with(velocity + "angular")) {
+      return {.minimum = -kTurningSpeed, .maximum = kTurningSpeed};
+    }
   }
+  return {};
+}
+
+std::vector<Bounds> bounds(const CommandMapping& mapping, std::uint32_t width, bool with_default) {
+  std::vector<Bounds> result;
+  for (const CommandField& field : components(mapping, width)) {
+    const bool limited = field.minimum || field.maximum || !with_default;
+    Bounds& own =
+        result.emplace_back(limited ? Bounds{} : default_bounds(mapping.message_type, field.field));
+    own.minimum = field.minimum.value_or(own.minimum);
+    own.maximum = field.maximum.value_or(own.maximum);
+    own.slew = field.slew.value_or(own.slew);
+  }
+  return result;
+}
+
+std::vector<StopRule> stop_rules(const CommandMapping& mapping, std::uint32_t width) {
   std::vector<StopRule> rules;
-  for (const CommandField& field : mapping.fields) {
+  for (const CommandField& field : components(mapping, width)) {
     rules.push_back(stop_rule(mapping.message_type, field));
   }
   return rules;
@@ -134,11 +144,8 @@ std::vector<std::string> field_paths(const CommandMapping& mapping) {
   if (mapping.all_channels) {
     return {"data"};
   }
-  std::vector<std::string> paths;
-  paths.reserve(mapping.fields.size());
-  for (const CommandField& field : mapping.fields) {
-    paths.push_back(field.field);
-  }
+  std::vector<std::string> paths(mapping.fields.size());
+  std::ranges::transform(mapping.fields, paths.begin(), &CommandField::field);
   return paths;
 }
 

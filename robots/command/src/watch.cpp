@@ -18,6 +18,7 @@
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/core/priority.hpp"
+#include "spikeloop/processes/descriptor.hpp"
 
 namespace spikeloop::command {
 namespace {
@@ -41,31 +42,21 @@ int checked(int result, const char* action) {
   return result;
 }
 
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() { ::close(fd_); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
-
 constexpr TimeNs kResting = kNever;
 
 }  // namespace
 
 struct Watch::Impl {
   Impl(TimeNs limit, Actions to_do)
-      : timeout(limit), actions(std::move(to_do)), signals(open_signals()), wakeup(open_wakeup()) {}
+      : timeout(limit),
+        actions(std::move(to_do)),
+        signals(open_signals()),
+        wakeup(checked(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), "eventfd")) {}
 
   static int open_signals() {
     const sigset_t set = watched_signals();
     return checked(signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK), "signalfd");
   }
-  static int open_wakeup() { return checked(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), "eventfd"); }
 
   void wake() const {
     const std::uint64_t one = 1;

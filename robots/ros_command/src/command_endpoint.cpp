@@ -5,13 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "command_topics.hpp"
 #include "diagnostics.hpp"
-#include "measured_positions.hpp"
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/guard/guard_timer.hpp"
@@ -23,13 +21,13 @@
 namespace spikeloop::ros_command {
 namespace {
 
-/// So long a robot may take to subscribe.
+/// Time in which a robot subscribes.
 constexpr TimeNs kPatience = 2 * kNsPerSecond;
 
-constexpr TimeNs kLook = kNsPerSecond / 10;
+constexpr TimeNs kCheckPeriod = kNsPerSecond / 10;
 
-/// So long a robot that hears us may take to hear the guard, too: over Fast DDS two nodes meet
-/// within two seconds.
+/// Time in which the guard is connected to a robot that has subscribed: over Fast DDS two nodes
+/// discover each other within two seconds.
 constexpr TimeNs kGuardPatience = 3 * kNsPerSecond;
 
 /// The message that stops the robot; empty if no position is known, so that nothing is sent.
@@ -40,33 +38,34 @@ std::vector<std::byte> stop_message(const topics::Publisher& publisher,
                                               : publisher.message(values);
 }
 
-/// Before any position is known.
-std::vector<double> first_stop(const command::CommandSettings& settings) {
-  std::vector<double> values(settings.width, 0.0);
-  for (std::size_t i = 0; i < std::min(values.size(), settings.stops.size()); ++i) {
-    const StopRule& rule = settings.stops[i];
-    values[i] = rule.hold ? std::numeric_limits<double>::quiet_NaN() : rule.value;
-  }
-  return values;
-}
-
-/// What the guard has to know to stop the robot in our place.
-guard::Hello guard_hello(const topics::Session& session, const Address& address,
-                         const command::CommandSettings& settings,
+guard::Hello guard_hello(const topics::Session& session, const command::CommandSettings& settings,
                          const topics::Publisher& publisher) {
-  return {.process = address.process,
-          .topic = session.whole_topic(address.topic),
-          .message_type = address.message_type,
+  const auto first_stop = command::CommandChannel(settings, {}).stop_values(0);
+  return {.process = settings.process,
+          .topic = session.whole_topic(settings.topic),
+          .message_type = settings.message_type,
           .ros = topics::version_of(session.dialect()),
           .place = session.place(),
           .watchdog = settings.watchdog,
-          .stop = stop_message(publisher, first_stop(settings))};
+          .stop = stop_message(publisher, first_stop)};
+}
+
+/// A node that subscribes to the commands with another type.
+std::optional<topics::Partner> subscriber_of_other_type(const topics::Session& session,
+                                                        const std::string& topic,
+                                                        const std::string& message_type) {
+  const std::string type =
+      messages::Catalog::for_type(session.dialect(), message_type).full_name(message_type);
+  const auto partners = session.subscribers(topic);
+  const auto other = std::ranges::find_if(
+      partners, [&](const topics::Partner& partner) { return partner.type != type; });
+  return other == partners.end() ? std::nullopt : std::optional(*other);
 }
 
 constexpr std::string_view kManual = "_manual";
 
-/// The topic of manual commands that nobody has named follows that of the commands: two robots
-/// whose commands have been remapped have a topic each. A rule for itself wins.
+/// The default topic of manual commands follows that of the commands: two robots whose commands
+/// have been remapped have a topic each. A rule for the topic itself has priority.
 std::string manual_topic(const topics::Session& session, const std::string& commands,
                          const std::string& manual) {
   if (manual.empty() || manual != commands + std::string(kManual)) {
@@ -79,11 +78,11 @@ std::string manual_topic(const topics::Session& session, const std::string& comm
   return has_rule ? manual : session.whole_topic(commands) + std::string(kManual);
 }
 
-/// With topics as ROS has them, for those who look for them there.
-command::CommandSettings as_in_ros(const topics::Session& session, const std::string& commands,
+/// The settings with the topics as other nodes see them.
+command::CommandSettings as_in_ros(const topics::Session& session,
                                    command::CommandSettings settings) {
   if (!session.local()) {
-    settings.manual.topic = manual_topic(session, commands, settings.manual.topic);
+    settings.manual.topic = manual_topic(session, settings.topic, settings.manual.topic);
     for (auto& sensor : settings.sensors) {
       sensor.topic = session.whole_topic(sensor.topic);
     }
@@ -91,40 +90,30 @@ command::CommandSettings as_in_ros(const topics::Session& session, const std::st
   return settings;
 }
 
-/// The same for what is said of the commands.
-Address as_in_ros(const topics::Session& session, Address address) {
-  if (!session.local()) {
-    address.topic = session.whole_topic(address.topic);
-  }
-  return address;
-}
-
 }  // namespace
 
-CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& address,
-                                 const command::CommandSettings& settings, topics::Keep keep)
+CommandEndpoint::CommandEndpoint(topics::Session& session, const command::CommandSettings& settings,
+                                 topics::Keep keep)
     : session_(session),
-      address_(as_in_ros(session, address)),
-      type_(messages::Catalog::for_type(session.dialect(), address.message_type)
-                .full_name(address.message_type)),
+      settings_(as_in_ros(session, settings)),
+      topic_(session.local() ? settings.topic : session.whole_topic(settings.topic)),
       waits_for_guard_(!session.local()),
-      publisher_(session, address.topic, address.message_type, address.fields,
+      publisher_(session, settings.topic, settings.message_type, settings.fields,
                  settings.clock == command::CommandClock::wall),
       keep_(std::move(keep)),
-      watchdog_(settings.watchdog),
-      guard_required_(settings.guard_required),
-      holds_(std::ranges::any_of(settings.stops, &StopRule::hold)),
       supervised_(session.local() ? nullptr : std::make_unique<status::SupervisedRobot>()),
-      guard_(session.local() ? nullptr
-                             : std::make_unique<guard::Link>(
-                                   guard_hello(session, address, settings, publisher_))),
+      guard_(session.local()
+                 ? nullptr
+                 : std::make_unique<guard::Link>(guard_hello(session, settings, publisher_))),
       diagnostics_(settings.clock == command::CommandClock::lockstep
                        ? nullptr
-                       : std::make_unique<Diagnostics>(session, address.topic)),
-      sink_(as_in_ros(session, address.topic, settings), transport()),
-      topics_(std::make_unique<CommandTopics>(session, address.message_type, address.fields,
-                                              as_in_ros(session, address.topic, settings), sink_)),
-      positions_(MeasuredPositions::subscribe(session, settings, sink_)),
+                       : std::make_unique<Diagnostics>(session, settings.topic)),
+      sink_(settings_, *this, !session.local()),
+      topics_(std::make_unique<CommandTopics>(session, settings.message_type, settings.fields,
+                                              settings_, sink_)),
+      positions_(settings.joint_states.empty()
+                     ? nullptr
+                     : std::make_unique<MeasuredPositions>(session, settings, sink_)),
       on_termination_(session.local() ? nullptr : std::make_unique<status::TerminationHook>([this] {
         sink_.stop(command::StopReason::terminated);
       })),
@@ -135,24 +124,10 @@ CommandEndpoint::CommandEndpoint(topics::Session& session, const Address& addres
 
 CommandEndpoint::~CommandEndpoint() = default;
 
-command::CommandSink::Transport CommandEndpoint::transport() {
-  command::CommandSink::Transport transport{
-      .publish = [this](auto values) { publish(values); },
-      .finish = [this] { finish(); },
-      .begin_tick = [this](TimeNs end) { return begin_tick(end); },
-      .end_tick = [this] { end_tick(); },
-      .watched = !session_.local()};
-  if (!session_.local()) {
-    transport.interrupted = [] { ::kill(::getpid(), SIGTERM); };
-    transport.beat = [this](TimeNs now) { return beat(now); };
-    transport.lost_supervision = [this](TimeNs now) { return lost_supervision(now); };
-  }
-  return transport;
-}
-
-/// In whatever thread stops the robot, too, which must never wait for a disk.
+/// Called by any thread that stops the robot, which must never wait for a disk.
 void CommandEndpoint::publish(std::span<const double> values) {
-  if (drives_unguarded()) {
+  // A robot may have subscribed after begin_tick().
+  if (waits_for_guard_ && sink_.drives() && publisher_.has_subscribers()) {
     return;
   }
   const auto message = publisher_.publish(values);
@@ -177,12 +152,16 @@ void CommandEndpoint::finish() {
 
 TimeNs CommandEndpoint::beat(TimeNs now) {
   leave_to_guard_if_dead();
-  update_guard();
-  return std::min(guard_->beat(now), report(now));
+  // The guard sends what this process would send to stop the robot now.
+  if (std::ranges::any_of(settings_.stops, &StopRule::hold)) {
+    guard_->set_stop(stop_message(publisher_, sink_.stop_values()));
+  }
+  return std::min(guard_->beat(now),
+                  diagnostics_ ? diagnostics_->publish(now, condition(), sink_) : kNever);
 }
 
-std::optional<command::StopReason> CommandEndpoint::lost_supervision(TimeNs now) const {
-  switch (supervised_->state(now, guard::deadline_for(watchdog_))) {
+std::optional<command::StopReason> CommandEndpoint::lost_supervision(TimeNs now) {
+  switch (supervised_->state(now, guard::deadline_for(settings_.watchdog))) {
     case status::SupervisedRobot::State::suspended:
       return command::StopReason::suspended;
     case status::SupervisedRobot::State::silent:
@@ -192,12 +171,11 @@ std::optional<command::StopReason> CommandEndpoint::lost_supervision(TimeNs now)
   }
   // Before the first command the robot stands still anyway, until the guard is connected to it.
   const bool robot_subscribes = !waits_for_guard_ && publisher_.has_subscribers();
-  return guard_required_ && !guard_->guards(robot_subscribes)
+  return settings_.guard_required && !guard_->guards(robot_subscribes)
              ? std::optional(command::StopReason::unguarded)
              : std::nullopt;
 }
 
-/// In the loop.
 void CommandEndpoint::keep_sent() {
   if (!keep_) {
     return;
@@ -241,13 +219,8 @@ void CommandEndpoint::end_tick() {
   keep_sent();
   topics_->report_other_types();
   if (count_ != 0 && !session_.local()) {
-    mind_subscribers();
+    check_subscribers();
   }
-}
-
-/// In the watch's thread, so also while the loop stands still.
-TimeNs CommandEndpoint::report(TimeNs now) {
-  return diagnostics_ ? diagnostics_->publish(now, condition(), sink_) : kNever;
 }
 
 command::Condition CommandEndpoint::condition() const {
@@ -255,9 +228,8 @@ command::Condition CommandEndpoint::condition() const {
   using enum command::Condition::Level;
   if (condition.level == ok && !publisher_.has_subscribers()) {
     const std::string misfit = publisher_.misfit();
-    return {warning, misfit.empty()
-                         ? "no subscriber on '" + address_.topic + "'"
-                         : "a subscriber of '" + address_.topic + "' asks for " + misfit};
+    return {warning, misfit.empty() ? "no subscriber on '" + topic_ + "'"
+                                    : "a subscriber of '" + topic_ + "' asks for " + misfit};
   }
   if (condition.level == ok && waits_for_guard_) {
     return {warning, "the robot is not driven before its guard is connected to it"};
@@ -265,8 +237,8 @@ command::Condition CommandEndpoint::condition() const {
   return condition;
 }
 
-/// Nobody could stop a robot that its guard has not met. Commands that no robot hears need no
-/// guard: one that comes later is waited for, too.
+/// A robot to which the guard is not connected could not be stopped. Without a subscriber commands
+/// need no guard; a robot that subscribes later is waited for, too.
 bool CommandEndpoint::may_begin() {
   if (!waits_for_guard_) {
     return true;
@@ -284,51 +256,27 @@ bool CommandEndpoint::may_begin() {
   if (!reaches) {
     log::warning(
         "the guard has no subscriber on topic '{}' after {}; the robot is driven nevertheless. "
-        "Until "
-        "the guard is connected, nothing stops the robot when this program is killed or stopped",
-        address_.topic, format_time(kGuardPatience));
+        "Until the guard is connected, nothing stops the robot when this program is killed or "
+        "stopped",
+        topic_, format_time(kGuardPatience));
   }
   sink_.begin_anew();
   waits_for_guard_ = false;
   return true;
 }
 
-/// The robot may have come since the loop handed over the command.
-bool CommandEndpoint::drives_unguarded() const {
-  return waits_for_guard_ && sink_.drives() && publisher_.has_subscribers();
-}
-
-/// The guard sends what this process would send to stop the robot now.
-void CommandEndpoint::update_guard() {
-  if (holds_) {
-    guard_->set_stop(stop_message(publisher_, sink_.stop_values()));
-  }
-}
-
-std::string CommandEndpoint::positions_topic() const {
-  return positions_ ? positions_->topic() : "";
-}
-
-bool CommandEndpoint::positions_have_publisher() const {
-  return positions_ && positions_->has_publishers();
-}
-
-std::uint64_t CommandEndpoint::positions_received() const {
-  return positions_ ? positions_->received() : 0;
-}
-
 /// Warns of subscribers that receive no command, and if there is none; each once.
-void CommandEndpoint::mind_subscribers() {
+void CommandEndpoint::check_subscribers() {
   const TimeNs now = wall_now();
-  if (now - looked_at_ < kLook) {
+  if (now - checked_at_ < kCheckPeriod) {
     return;
   }
-  looked_at_ = now;
+  checked_at_ = now;
   driven_since_ = driven_since_ == 0 ? now : driven_since_;
   const bool subscribed = publisher_.has_subscribers();
   const auto other = subscribed && session_.dialect() == messages::Dialect::ros1
                          ? std::nullopt  // asking all nodes is slow
-                         : subscriber_of_other_type();
+                         : subscriber_of_other_type(session_, topic_, settings_.message_type);
   if (now - driven_since_ < kPatience) {
     return;
   }
@@ -337,34 +285,22 @@ void CommandEndpoint::mind_subscribers() {
     log::warning(
         "a subscriber of '{}' gets no command: it asks for {}; '{} info -v {}' names it: give it "
         "the default quality of service",
-        address_.topic, misfit, topics::topic_command(session_.dialect()), address_.topic);
+        topic_, misfit, topics::topic_command(session_.dialect()), topic_);
   }
   if (other && !std::exchange(told_type_, true)) {
     log::warning("{} subscribes to '{}' as {} and gets no command of type {}; {}, or another topic",
-                 other->node.empty() ? "a node" : "node " + other->node, address_.topic,
-                 other->type, address_.message_type,
-                 topics::remedy_for_type(other->type, address_.message_type));
+                 other->node.empty() ? "a node" : "node " + other->node, topic_, other->type,
+                 settings_.message_type,
+                 topics::remedy_for_type(other->type, settings_.message_type));
   }
-  const bool has_reason =
-      told_misfit_ || told_type_ ||
-      session_.has_warned_of_unreachable_node(session_.whole_topic(address_.topic));
+  const bool has_reason = told_misfit_ || told_type_ ||
+                          session_.has_warned_of_unreachable_node(session_.whole_topic(topic_));
   if (!subscribed && !has_reason && !std::exchange(told_none_, true)) {
     log::warning(
         "no subscriber of {} on topic '{}'; the robot will not move. '{} info {}' shows "
-        "subscribers "
-        "and their types",
-        address_.message_type, address_.topic, topics::topic_command(session_.dialect()),
-        address_.topic);
+        "subscribers and their types",
+        settings_.message_type, topic_, topics::topic_command(session_.dialect()), topic_);
   }
-}
-
-std::optional<topics::Partner> CommandEndpoint::subscriber_of_other_type() const {
-  for (const topics::Partner& partner : session_.subscribers(address_.topic)) {
-    if (partner.type != type_) {
-      return partner;
-    }
-  }
-  return std::nullopt;
 }
 
 void CommandEndpoint::leave_to_guard_if_dead() {

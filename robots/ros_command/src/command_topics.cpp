@@ -122,10 +122,10 @@ void CommandTopics::take_manual(std::span<const std::byte> message) {
     log::warning("topic '{}': {}; the message is left out", settings_.manual.topic, error.what());
     return;
   }
-  if (values.size() != settings_.width) {
+  if (values.size() != settings_.width()) {
     if (!warned_.exchange(true)) {
       log::warning("topic '{}': a message with {} values, where a command has {}, is left out",
-                   settings_.manual.topic, values.size(), settings_.width);
+                   settings_.manual.topic, values.size(), settings_.width());
     }
     return;
   }

@@ -1,4 +1,4 @@
-// What monitors of ROS show of a robot's commands.
+// Condition of a robot for monitors of ROS.
 #pragma once
 
 #include <memory>
@@ -20,7 +20,7 @@ class Diagnostics {
   /// @param topic of the commands
   Diagnostics(topics::Session& session, const std::string& topic);
 
-  /// For one thread. Returns the wall time at which it wants to look again.
+  /// To be called by one thread. Returns the wall time of the next call.
   TimeNs publish(TimeNs now, const command::Condition& condition, const command::CommandSink& sink);
 
  private:

@@ -1,4 +1,4 @@
-#include "measured_positions.hpp"
+#include "spikeloop/ros_command/measured_positions.hpp"
 
 #include <fmt/format.h>
 
@@ -14,19 +14,7 @@ namespace {
 
 constexpr const char* kJointStateType = "sensor_msgs/JointState";
 
-bool holds_joint(const StopRule& rule) {
-  return rule.hold && !rule.joint.empty();
-}
-
 }  // namespace
-
-std::unique_ptr<MeasuredPositions> MeasuredPositions::subscribe(
-    topics::Session& session, const command::CommandSettings& settings,
-    command::CommandSink& sink) {
-  const bool wanted =
-      !settings.joint_states.empty() && std::ranges::any_of(settings.stops, holds_joint);
-  return wanted ? std::make_unique<MeasuredPositions>(session, settings, sink) : nullptr;
-}
 
 MeasuredPositions::MeasuredPositions(topics::Session& session,
                                      const command::CommandSettings& settings,
@@ -37,7 +25,7 @@ MeasuredPositions::MeasuredPositions(topics::Session& session,
   const auto& catalog = messages::Catalog::builtin(session.dialect());
   for (const StopRule& rule : settings.stops) {
     readers_.emplace_back();
-    if (holds_joint(rule)) {
+    if (!rule.joint.empty()) {
       readers_.back().emplace(catalog, kJointStateType,
                               fmt::format("position[name={}]", rule.joint));
     }

@@ -29,7 +29,7 @@ namespace spikeloop {
 struct StopRule {
   /// The last measured position, else the last command.
   bool hold = false;
-  std::string joint{};  ///< whose measured position is held; empty: the last command
+  std::string joint{};  ///< with `hold`: joint whose measured position is held; empty: last command
   double value = 0;     ///< without `hold`
 
   bool operator==(const StopRule&) const = default;

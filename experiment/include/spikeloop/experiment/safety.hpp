@@ -1,4 +1,4 @@
-// What of an experiment stops its robot: the keys, and what lies behind a command.
+// The keys that limit and stop a robot, and the data behind a command.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "spikeloop/command/command_sink.hpp"
+#include "spikeloop/command/command_settings.hpp"
 #include "spikeloop/core/parameters.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
 namespace spikeloop::experiment {
 
-/// `limits: none`: fields have those in `fields` alone, not even the default ones.
-inline constexpr const char* kNoLimits = "none";
+using command::kNoLimits;
 
 /// The keys `emergency_stop` and `override` of a ros_command.
 ParameterDescription emergency_stop_parameter();
@@ -24,15 +23,14 @@ ParameterDescription override_parameter();
 command::EmergencyStop emergency_stop(const Node& command, messages::Dialect ros);
 /// `override` of a ros_command: none, a topic, or a map. @throws ConfigurationError.
 command::Override manual_override(const Node& command);
-/// Puts the two into a command's settings.
-void add_operator_input(const Node& command, messages::Dialect ros,
-                        command::CommandSettings& settings);
-/// The fields of a ros_command, with the default bounds of those without any unless its `limits`
-/// are `none`.
-void add_bounds(const Node& command, command::CommandSettings& settings);
-/// Adds the values of the fields at a stop, and the topic of measured positions.
-/// @param sensor topic of a sensor of sensor_msgs/JointState; empty if there is none
-void add_stop(const Node& command, const std::string& sensor, command::CommandSettings& settings);
+/// Settings of a command, apart from the data behind it.
+/// @param width channels of its port
+/// @param joint_states topic of a sensor of sensor_msgs/JointState; empty if there is none
+/// @param ros nullopt: nobody can stop or drive the robot over ROS
+command::CommandSettings command_settings(const Node& command, std::uint32_t width,
+                                          const command::LoopClock& loop,
+                                          const std::string& joint_states,
+                                          std::optional<messages::Dialect> ros);
 /// The topic of the first sensor of sensor_msgs/JointState that a command depends on; empty if
 /// there is none.
 std::string joint_state_sensor(const Experiment& experiment, const Node& command);

@@ -1,4 +1,4 @@
-// How old the data behind a command are.
+// Measures the age of the data behind a command.
 #pragma once
 
 #include <cstddef>

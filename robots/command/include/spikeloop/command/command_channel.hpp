@@ -1,5 +1,5 @@
-// From numbers to commands that leave: limits, the gate, and every reason for which a robot is
-// stopped. Whatever carries the commands, ROS 1 or ROS 2, is a function.
+// Sends commands after limits and gate, and stops the robot for every reason. A function carries
+// the commands to ROS 1 or ROS 2.
 #pragma once
 
 #include <array>
@@ -12,39 +12,29 @@
 #include <span>
 #include <vector>
 
-#include "spikeloop/command/command_gate.hpp"
-#include "spikeloop/command/limiter.hpp"
+#include "spikeloop/command/command_settings.hpp"
 #include "spikeloop/command/stop_reason.hpp"
-#include "spikeloop/config/mapping_file.hpp"
 #include "spikeloop/core/node.hpp"
 
 namespace spikeloop::command {
 
 inline constexpr TimeNs kContinuedPause = 1'500'000'000;
 
-struct ChannelSettings {
-  GateSettings gate;
-  std::vector<Bounds> bounds{};   ///< one a component; fewer: the others have none
-  TimeNs override_timeout = 0;    ///< validity of a manual command
-  std::vector<StopRule> stops{};  ///< per component; fewer: the others are 0 at a stop
-};
-
 /// Maximum age of a measured position. If it is older, a stop holds the last command.
 inline constexpr TimeNs kMeasuredAge = 500'000'000;
 
-/// Safe to use from the loop, the watch and those who bring messages at once. Publishing happens
-/// under its lock, so it must not block.
+/// Thread-safe. `publish` is called under the lock, so it must not block.
 ///
-/// Who wins: the end of the run, a continue, the emergency stop, a manual command, a reason of the
-/// loop or its silence, the network's command.
+/// Priority: the end of the run, a continue, the emergency stop, a manual command, a reason of the
+/// loop or its silence, the command of the network.
 class CommandChannel {
  public:
   using Publish = std::function<void(std::span<const double>)>;
 
-  CommandChannel(const ChannelSettings& settings, Publish publish);
+  CommandChannel(const CommandSettings& settings, Publish publish);
 
-  /// A tick's command. Returns when poll() should be called if nothing else comes.
-  /// A command with a value that is not finite is never sent: it stops the robot.
+  /// Takes the command of a tick. Returns when poll() should be called if nothing else comes.
+  /// A value that is not finite stops the robot.
   TimeNs command(std::span<const double> values, TimeNs now);
 
   /// Sends the stop command at once, past all rules, and repeats it (see CommandGate) until the
@@ -55,50 +45,46 @@ class CommandChannel {
   /// loop's reasons and `silent` wait for their end.
   TimeNs stop(StopReason reason, TimeNs now);
 
-  /// As long as there is a reason (of the emergency stop), nothing but zeros leaves: at once, and
-  /// repeated.
+  /// Stops the robot as long as the emergency stop has a reason.
   void hold(std::optional<StopReason> reason, TimeNs now);
 
-  /// A command by hand: leaves in place of the network's, as far as the bounds let it, until none
-  /// has come for the timeout. One that is not finite is a zero.
+  /// Sends a manual command within the bounds. It replaces the network's until the timeout. One
+  /// that is not finite stops the robot.
   void override_with(std::span<const double> values, TimeNs now);
 
   /// Newly measured positions of the components that a stop holds; NaN: not measured now.
   void measure(std::span<const double> positions, TimeNs now);
-  /// The command that stops the robot: that of the stop that lasts, else of one at `now`. Each stop
+  /// The command that stops the robot: that of the present stop, else of a stop at `now`. Each stop
   /// fixes its values once, so that a joint that yields is not followed. NaN: no position is known.
   std::vector<double> stop_values(TimeNs now) const;
   /// True while the commands of the network or manual ones are sent. May be called by `publish`.
   bool drives() const { return drives_.load(); }
 
-  /// A robot hears the commands from now on: the next one leaves in any case, and slews from zero.
+  /// A robot has subscribed: the next command is sent in any case, and slews from the stop command.
   void begin_anew(TimeNs now);
-
-  /// Nodes before the command begin anew: when it has no value then, a zero leaves, which is no
-  /// stop: as at the begin of a run.
+  /// The nodes before the command are reset: a command without a value is then no stop, as at the
+  /// start of a run.
   void allow_no_value();
 
   /// Sends what is due between ticks; returns when to call again.
   TimeNs poll(TimeNs now);
-  /// Sends the zero of a stopped robot again, due or not: for a caller whose clock may stand still.
+  /// Sends the command of a stopped robot again, due or not: simulated time may stand still.
   void repeat_stop(TimeNs now);
 
   struct Standing {
-    /// Why the robot stands; nothing while it is driven, and before the first command.
+    /// Reason for the stop; nullopt while the robot is driven, and before the first command.
     std::optional<StopReason> stopped;
-    bool overridden = false;  ///< manual commands hold
-    bool driven = false;      ///< there has been a command of the network, or one by hand
+    bool overridden = false;  ///< a manual command is valid
+    bool driven = false;      ///< a command of the network or a manual one has been sent
   };
   Standing standing() const;
-  std::optional<StopReason> stopped_by() const { return standing().stopped; }
-  bool overridden() const { return standing().overridden; }
   enum class NetworkCommand : std::uint8_t {
     unused,     ///< the robot is stopped, or driven manually
     held_back,  ///< a change waits for its least interval
     sent        ///< the robot has the newest command, apart from changes within the deadband
   };
   NetworkCommand network_command() const;
-  /// How long the robot stood while it had a reason to, until it was last driven or the run ended.
+  /// Total time of all stops that have ended.
   TimeNs stood_for() const;
   /// The first value that the bounds have cut.
   std::optional<Limiter::Cut> first_cut() const;
@@ -113,14 +99,16 @@ class CommandChannel {
 
   // All below are called under the lock.
   void enter(State state, TimeNs now);
-  void send_stop(TimeNs now);
-  void publish_stop();
-  std::vector<double> computed_stop(TimeNs now) const;
-  TimeNs drive(std::span<const double> values, TimeNs now);
+  /// Stops the robot, whatever it did before.
+  TimeNs halt(StopReason reason, TimeNs now);
   TimeNs stop_network(StopReason reason, TimeNs now);
-  TimeNs repeat_stop_command(TimeNs now);
-  bool still_overridden(TimeNs now);
+  TimeNs drive(std::span<const double> values, TimeNs now);
   TimeNs drive_by_hand(TimeNs now);
+  TimeNs repeat(TimeNs now);
+  void send_stop(TimeNs now);
+  void publish();
+  bool still_overridden(TimeNs now);
+  std::vector<double> computed_stop(TimeNs now) const;
   TimeNs next_due() const;
 
   mutable std::mutex mutex_;
@@ -139,13 +127,12 @@ class CommandChannel {
   std::optional<TimeNs> stands_since_;  ///< begin of the stop. nullopt if the robot may be driven
   TimeNs stood_for_ = 0;                ///< before that
   StopReason reason_ = StopReason::no_value;
-  bool driven_ = false;          ///< a command has left
-  bool may_lack_value_ = false;  ///< see allow_no_value
-  /// Why the network does not drive, whoever else does.
+  bool driven_ = false;          ///< a command has been sent
+  bool may_lack_value_ = false;  ///< see allow_no_value()
+  /// Reason why the network does not drive, also while manual commands do.
   std::optional<StopReason> network_stop_ = StopReason::no_value;
   std::optional<StopReason> held_;
   std::vector<double> override_;  ///< the newest manual command
-  bool override_stops_ = false;   ///< it is not a number
   TimeNs override_timeout_;
   TimeNs override_until_ = 0;
   bool overridden_ = false;

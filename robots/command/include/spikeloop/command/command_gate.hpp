@@ -1,4 +1,4 @@
-// When a command leaves. A pure function of values and times, so that every rule is a test.
+// Decides when a command is sent. A pure function of values and times.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace spikeloop::command {
 
-/// Bounds of the time between two zeros of a stopped robot.
+/// Bounds of the time between two stop commands of a stopped robot.
 inline constexpr TimeNs kShortestRepetition = 10'000'000;
 inline constexpr TimeNs kLongestRepetition = 100'000'000;
 
@@ -39,15 +39,15 @@ class CommandGate {
  public:
   explicit CommandGate(GateSettings settings);
 
-  /// Takes the newest command. True: current() leaves now.
+  /// Takes the newest command. Returns true if current() is to be sent now.
   bool offer(std::span<const double> command, TimeNs now);
-  /// Between offers: true when a command that was held back, or a repetition, leaves now.
+  /// Between offers: returns true if a command that was held back, or a repetition, is due.
   bool poll(TimeNs now);
-  /// When poll() will say true if nothing new is offered.
+  /// Time from which poll() returns true if nothing new is offered.
   TimeNs next_due() const;
-  /// Takes a command that leaves now whatever the rules say, and is repeated by poll().
+  /// Takes a command that is sent now in any case, and repeated by poll().
   void force(std::span<const double> command, TimeNs now);
-  /// The next command leaves at once.
+  /// The next command is sent at once.
   void forget();
   /// True while a change waits for `min_interval`.
   bool holds_back() const { return any_ && sent_ && !forced_ && moved(); }
@@ -55,12 +55,13 @@ class CommandGate {
   std::span<const double> current() const { return current_; }
   /// The command that was sent last, forced ones included.
   std::span<const double> last() const { return last_; }
-  /// Commands that have left: of offer(), poll() and force().
+  /// Commands that were sent: of offer(), poll() and force().
   std::uint64_t sent() const { return sent_count_; }
 
  private:
   bool moved() const;
-  TimeNs due() const;
+  /// @param more_grace for repetitions
+  TimeNs due(TimeNs more_grace) const;
   bool send(TimeNs now);
 
   GateSettings settings_;

@@ -1,4 +1,4 @@
-// What a component may be, and how fast it may change. A pure function of values and times.
+// Limits the values of a command and their rates of change. A pure function of values and times.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +15,11 @@ namespace spikeloop::command {
 struct Bounds {
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
-  double slew = std::numeric_limits<double>::infinity();  ///< in units of the component a second
-  bool zero_stands = true;  ///< the robot stands at 0; false for a position
+  double slew = std::numeric_limits<double>::infinity();  ///< fastest change per second
+  bool zero_stands = true;  ///< True if 0 stops the component; false for a position
 };
 
-/// Follows values within their bounds: between any two times that it is asked, no component moves
-/// by more than its slew rate times the time between them.
+/// Between any two calls no component moves by more than its slew rate times the time between them.
 class Limiter {
  public:
   struct Cut {
@@ -28,13 +27,13 @@ class Limiter {
     double value = 0;  ///< as it came
   };
 
-  /// @param bounds one a component; fewer: the others have none
+  /// @param bounds one per component; fewer: the others have none
   Limiter(std::vector<Bounds> bounds, std::size_t components);
 
   /// The robot is stopped by `values`, from which the next commands slew. NaN: from 0.
   void restart(std::span<const double> values, TimeNs now);
-  /// What may leave now. Valid until the next call. `values` are finite.
-  /// @param may_stand 0 is within all bounds: a person may always have the robot stand
+  /// Limits finite values. The result is valid until the next call.
+  /// @param may_stand 0 is within all bounds: a person may always stop the robot
   std::span<const double> shape(std::span<const double> values, TimeNs now, bool may_stand = false);
   /// Calls in which a value lay beyond a minimum or maximum.
   std::uint64_t cuts() const { return cuts_; }

@@ -1,28 +1,41 @@
-// A mapping file's contents as what maps channels, and as the fields of a message.
+// A mapping of channels to the fields of a message, as what a command needs of it.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "spikeloop/command/component_map.hpp"
+#include "spikeloop/command/limiter.hpp"
 #include "spikeloop/config/mapping_file.hpp"
+#include "spikeloop/core/node.hpp"
 
 namespace spikeloop::command {
 
-/// @param width channels of the port, which all go when the mapping says so
-ComponentMap component_map(const CommandMapping& mapping, std::uint32_t width);
+/// The fields of a mapping; of a mapping of all channels, one per channel of a port of this width.
+std::vector<CommandField> components(const CommandMapping& mapping, std::uint32_t width);
 
-/// Those of a mapping's components, with the default ones for fields that have no limit of their
-/// own. @param bounds one a field; any number when the mapping is of all channels
-std::vector<Bounds> default_bounds(const CommandMapping& mapping, std::vector<Bounds> bounds);
+/// Changes that are not sent: `fraction` of the range of each component. The range is that between
+/// its limits; without them, that of a channel in [-1, 1].
+std::vector<double> deadbands(const std::vector<CommandField>& components, double fraction);
+
+/// Limits of velocities (Twist, also within another message) that have none: 1 m/s and 3 rad/s in
+/// either direction, as fast as small indoor robots drive. None for other fields.
+/// @param message_type "geometry_msgs/Twist"
+/// @param field its path, "linear.x"
+Bounds default_bounds(std::string_view message_type, std::string_view field);
+/// Limits of the components. @param with_default default_bounds() for fields without any limit
+std::vector<Bounds> bounds(const CommandMapping& mapping, std::uint32_t width, bool with_default);
 
 /// Value of each component at a stop. Fields without a rule of their own: the number of a position
 /// is held (of `position[name=NAME]` the measured one of joint NAME), all others are 0.
-/// @param width components of the command
-std::vector<StopRule> stop_rules(const CommandMapping& mapping, std::size_t width);
+std::vector<StopRule> stop_rules(const CommandMapping& mapping, std::uint32_t width);
 
-/// A path a component; "data" alone for all channels.
+/// Paths of the fields of a message; "data" alone for all channels.
 std::vector<std::string> field_paths(const CommandMapping& mapping);
+
+/// The mapping as a node, so that its output can be recorded. Ports: `in`, the channels; `out`, one
+/// value per component.
+NodeClass command_map_class(std::vector<CommandField> components);
 
 }  // namespace spikeloop::command

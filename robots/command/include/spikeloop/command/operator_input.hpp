@@ -6,52 +6,60 @@
 #include <mutex>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "spikeloop/command/command_channel.hpp"
-#include "spikeloop/command/emergency_stop.hpp"
 
 namespace spikeloop::command {
 
-/// Commands by hand, in messages of the command's own type.
-struct Override {
-  std::string topic{};  ///< empty: there is none
-  TimeNs timeout = 500'000'000;
+/// Rule of the emergency stop. A pure function of messages and times.
+class EmergencyRule {
+ public:
+  explicit EmergencyRule(const EmergencyStop& settings) : settings_(settings) {}
 
-  bool operator==(const Override&) const = default;
+  /// Takes a message.
+  void take(bool stop, TimeNs now);
+  /// Reason to stop; nullopt if the robot may be driven.
+  std::optional<StopReason> verdict(bool has_publishers, TimeNs now) const;
+
+ private:
+  EmergencyStop settings_;
+  bool stop_ = false;
+  std::optional<TimeNs> heard_;
 };
 
-/// Hands them on to a command channel. Safe to use from any thread.
+/// Passes operator input to a command channel. Thread-safe.
 class OperatorInput {
  public:
   OperatorInput(const EmergencyStop& settings, CommandChannel& channel)
       : rule_(settings), channel_(channel) {}
 
-  /// Whether the emergency stop's topic has a publisher. What was given before is not called any
-  /// more when it returns; empty: nobody knows.
+  /// Sets the function that tells whether the emergency stop's topic has a publisher. The former
+  /// one is not called after the return.
   void watch_publishers(std::function<bool()> has_publishers);
-  /// A message has come; it counts when apply() is called.
+  // Input takes effect when apply() is called.
+
+  /// Takes a message of the emergency stop.
   void emergency(bool stop, TimeNs wall);
-  /// STOP of the live view, which no message releases; the same.
+  /// STOP of the live view, which no message releases.
   void press_stop(bool pressed);
-  /// Reason to stop while nobody supervises or guards the robot; nullopt: it may be driven. Takes
-  /// effect when apply() is called.
+  /// Reason to stop while the robot is not supervised or guarded; nullopt: it may be driven.
   void set_lost_supervision(std::optional<StopReason> reason);
+  /// Takes a manual command.
   void override_with(std::span<const double> values);
-  /// @param wall by which the emergency stop's timeout is judged
-  /// @param now the channel's time
+  /// @param wall time for the timeout of the emergency stop
+  /// @param now time of the channel
   void apply(TimeNs wall, TimeNs now);
 
  private:
-  std::mutex asking_;  ///< held while has_publishers_ runs, which may wait for others
+  std::mutex asking_;  ///< held while has_publishers_ runs, which may wait for other threads
   std::function<bool()> has_publishers_;
   std::mutex mutex_;
   EmergencyRule rule_;
   bool stop_pressed_ = false;
   std::optional<StopReason> lost_supervision_;
   CommandChannel& channel_;
-  std::optional<std::vector<double>> manual_;  ///< the newest that has not counted yet
+  std::optional<std::vector<double>> manual_;  ///< newest command that is not applied yet
 };
 
 }  // namespace spikeloop::command

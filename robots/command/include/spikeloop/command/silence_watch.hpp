@@ -1,4 +1,4 @@
-// Which of several sources has not been heard for too long. A pure function of times.
+// Finds the source that has been silent for too long. A pure function of times.
 #pragma once
 
 #include <cstddef>
@@ -11,20 +11,25 @@ namespace spikeloop::command {
 
 class SilenceWatch {
  public:
-  /// @param timeouts one a source; 0: it may be silent
-  explicit SilenceWatch(std::vector<TimeNs> timeouts);
+  /// @param timeouts one per source; 0: it may be silent
+  explicit SilenceWatch(const std::vector<TimeNs>& timeouts)
+      : timeouts_(timeouts), heard_(timeouts.size()) {}
 
-  /// The newest that came from a source came then.
-  void heard(std::size_t source, TimeNs at);
+  /// Sets the arrival time of the newest message of a source.
+  void heard(std::size_t source, TimeNs at) { heard_[source] = at; }
   /// The first source that has been silent for longer than its timeout, or was never heard.
-  std::optional<std::size_t> silent(TimeNs now) const;
+  std::optional<std::size_t> silent(TimeNs now) const {
+    for (std::size_t i = 0; i < timeouts_.size(); ++i) {
+      if (timeouts_[i] != 0 && (!heard_[i] || now - *heard_[i] > timeouts_[i])) {
+        return i;
+      }
+    }
+    return std::nullopt;
+  }
 
  private:
-  struct Source {
-    TimeNs timeout = 0;
-    std::optional<TimeNs> heard{};
-  };
-  std::vector<Source> sources_;
+  std::vector<TimeNs> timeouts_;
+  std::vector<std::optional<TimeNs>> heard_;
 };
 
 }  // namespace spikeloop::command

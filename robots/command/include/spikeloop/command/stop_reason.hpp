@@ -1,6 +1,7 @@
-// Why a robot stands.
+// Reasons for which a robot is stopped.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -9,24 +10,32 @@ namespace spikeloop::command {
 
 enum class StopReason : std::uint8_t {
   no_value,           ///< the input has lost its value
-  not_finite,         ///< NaN or infinity among the command's values
+  not_finite,         ///< NaN or infinity among the values of a command
   stale,              ///< the data behind the command are too old
-  sensor_silent,      ///< a sensor that the command depends on brings nothing
-  spikes_silent,      ///< no spike has come on the way to the command
+  sensor_silent,      ///< a sensor that the command depends on sends nothing
+  spikes_silent,      ///< no spike on the way to the command
   silent,             ///< the loop has not ticked for too long
-  continued,          ///< SIGCONT: mpirun has seen a program die, or somebody had stopped us
-  emergency,          ///< the emergency stop says so
-  emergency_unknown,  ///< nobody says whether the emergency stop is pressed
+  continued,          ///< SIGCONT: mpirun has seen a program die, or this process was stopped
+  emergency,          ///< the emergency stop is pressed
+  emergency_unknown,  ///< no program reports whether the emergency stop is pressed
   stop_button,        ///< STOP is pressed in the live view
   suspended,          ///< Ctrl-Z has suspended the launcher
-  unsupervised,       ///< the launcher, or what is between it and this process, is silent
+  unsupervised,       ///< the launcher, or a process between it and this one, is silent
   unguarded,          ///< no guard answers, and the command requires one
   terminated,         ///< SIGTERM, SIGINT, or an error
   ended               ///< the run is over
 };
 inline constexpr std::size_t kStopReasons = 15;
 
-/// "data_too_old", ...: the name in counters.
-std::string_view stop_reason_name(StopReason reason);
+/// The name in counters.
+constexpr std::string_view stop_reason_name(StopReason reason) {
+  constexpr std::array<std::string_view, kStopReasons> names = {
+      "without_value", "not_finite",     "data_too_old",
+      "sensor_silent", "no_spike",       "no_tick",
+      "continued",     "emergency_stop", "emergency_stop_unknown",
+      "stop_button",   "suspended",      "unsupervised",
+      "unguarded",     "terminated",     "ended"};
+  return names[static_cast<std::size_t>(reason)];
+}
 
 }  // namespace spikeloop::command

@@ -1,5 +1,5 @@
-// A thread beside the loop that stops the robot when the loop cannot: it watches the ticks and the
-// signals that tell of other programs' deaths, and sends what is due between ticks.
+// A thread that stops the robot when the loop cannot: it watches ticks and signals, and sends what
+// is due between ticks.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@ class Watch {
     std::function<void(StopReason)> stop;    ///< with `silent` or `continued`: zero command, now
     std::function<TimeNs(TimeNs now)> poll;  ///< sends what is due; returns when to call again
     std::function<void()> interrupted{};     ///< SIGINT has come
-    /// Tells somebody outside that the watch lives; returns when to call again. May be left out.
+    /// Sends a beat to other processes; returns when to call again. May be empty.
     std::function<TimeNs(TimeNs now)> beat{};
   };
 
@@ -24,7 +24,7 @@ class Watch {
   /// Call it first in main(), before any library has threads: a signal that some thread does not
   /// block never reaches the watch.
   static void block_signals();
-  /// Undoes it for the calling thread: a process that turns out to have nothing to stop.
+  /// Reverts block_signals() in the calling thread, for a process that has no robot to stop.
   static void release_signals();
 
   /// @param timeout wall time without a heartbeat after which the loop counts as silent
@@ -33,10 +33,10 @@ class Watch {
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
 
-  /// The loop lives; from the first one on, its silence stops the robot.
+  /// The loop is running; from the first heartbeat on, its silence stops the robot.
   /// @param next_due when `poll` should be called if no heartbeat comes before
   void heartbeat(TimeNs next_due = kNever);
-  /// The loop is over: its silence means nothing any more.
+  /// The loop has ended: its silence no longer counts.
   void rest();
 
  private:

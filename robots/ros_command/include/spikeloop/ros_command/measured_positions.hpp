@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,12 +19,7 @@ namespace spikeloop::ros_command {
 /// Reads sensor_msgs/JointState in the session's thread and passes positions to the sink.
 class MeasuredPositions {
  public:
-  /// Returns null if the command holds no measured position.
   /// @throws ConfigurationError: an impossible topic.
-  static std::unique_ptr<MeasuredPositions> subscribe(topics::Session& session,
-                                                      const command::CommandSettings& settings,
-                                                      command::CommandSink& sink);
-
   MeasuredPositions(topics::Session& session, const command::CommandSettings& settings,
                     command::CommandSink& sink);
   MeasuredPositions(const MeasuredPositions&) = delete;
