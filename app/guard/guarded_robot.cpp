@@ -16,7 +16,7 @@
 namespace spikeloop::guard {
 namespace {
 
-/// How often we look whether a robot hears us, until one does.
+/// Period of the checks for a subscriber, until there is one.
 constexpr TimeNs kLook = 5'000'000;
 
 /// An adapter sends its hello as soon as it is connected.
@@ -36,7 +36,7 @@ Descriptor make_event() {
   return event;
 }
 
-/// Until one of them can be read; a descriptor of -1 never can.
+/// Waits until one of them is readable; -1 is ignored.
 void wait(TimeNs deadline, int first, int second) {
   pollfd files[2] = {{first, POLLIN, 0}, {second, POLLIN, 0}};
   const TimeNs left = std::max<TimeNs>(0, deadline - wall_now());
@@ -76,7 +76,7 @@ void GuardedRobot::run() {
     // The other robots stay guarded.
     log::warning("the robot on {} is not guarded any more: {}", hello_.topic, error.what());
   }
-  // The adapter is to see that nobody watches any more.
+  // The adapter detects that it is not guarded any more.
   socket_.reset();
   needed_.store(false);
   ended_.store(true);
@@ -90,7 +90,7 @@ bool GuardedRobot::read_introduction() {
   }
   const Received first = receive_packet(socket_.get());
   if (first.closed || first.nothing) {
-    return false;  // somebody has only looked whether a guard is there
+    return false;  // the client only tests whether a guard listens
   }
   const auto hello = read_hello(first.packet);
   if (!hello) {
@@ -104,7 +104,7 @@ bool GuardedRobot::read_introduction() {
 std::unique_ptr<topics::RawPublisher> GuardedRobot::advertise() {
   try {
     auto robot = robots_.advertise(hello_);
-    // An adapter that has not waited for the answer introduces itself again, and drives meanwhile.
+    // An adapter that has not waited for the answer sends another hello, and drives meanwhile.
     const bool waits = send_packet(socket_.get(), {"ready"}) == 0;
     return waits ? std::move(robot) : nullptr;
   } catch (const TransportError& error) {
@@ -130,7 +130,6 @@ void GuardedRobot::watch(topics::RawPublisher& robot) {
   TimeNs next_beat = 0;
   set_needed(true);
   while (!timer.over() && (timer.stopping() || !wait_readable(leave_.get(), 0))) {
-    // What would always be ready must not keep us from waiting.
     const TimeNs look = reaches ? kNever : wall_now() + kLook;
     if (timer.cause() == Cause::lost) {
       next_beat = kNever;
@@ -140,7 +139,7 @@ void GuardedRobot::watch(topics::RawPublisher& robot) {
     }
     wait(std::min({timer.next_due(), look, next_beat}),
          timer.cause() == Cause::lost ? -1 : socket_.get(), timer.stopping() ? -1 : leave_.get());
-    // What has come while we had to wait for the processor counts before any deadline.
+    // Packets that arrived while the thread waited for a processor count before any deadline.
     listen(timer);
     const bool heard = robot.has_subscribers();
     if (heard && !reaches) {
@@ -151,7 +150,7 @@ void GuardedRobot::watch(topics::RawPublisher& robot) {
       stop(robot);
     }
     announce(timer);
-    // Not when it is over: leaving ROS may take as long as a master hangs.
+    // Not needed when over: leaving ROS may take as long as a master hangs.
     set_needed(!timer.over() && (!timer.cause() || timer.stopping()));
   }
   if (timer.over() && timer.cause() && timer.robot_stopped()) {

@@ -1,5 +1,5 @@
-// One command adapter that the guard watches over, in a thread of its own: setting up ROS may take
-// seconds, in which another robot must not be left alone.
+// One command adapter that the guard watches, in a separate thread: starting ROS may take seconds,
+// in which the other robots must stay guarded.
 #pragma once
 
 #include <atomic>
@@ -17,17 +17,17 @@ class GuardedRobot {
  public:
   struct Events {
     std::function<void()> changed;  ///< needed() or ended() may have changed
-    std::function<void(const Hello&)>
-        stopped;  ///< a subscriber was sent zeros: its adapter had died
+    /// The robot of an adapter that had died was stopped.
+    std::function<void(const Hello&)> stopped;
   };
-  /// Both events are called from its thread.
+  /// Events are called from the thread of this robot.
   GuardedRobot(Descriptor socket, Robots& robots, Events events);
-  /// Lets the adapter alone; a robot that is just being stopped gets the rest of its zeros.
+  /// Ends the watch; a robot that is being stopped receives its remaining stop commands.
   ~GuardedRobot();
   GuardedRobot(const GuardedRobot&) = delete;
   GuardedRobot& operator=(const GuardedRobot&) = delete;
 
-  /// Whether the adapter lives, or its robot is just being stopped.
+  /// True while the adapter lives, or its robot is being stopped.
   bool needed() const { return needed_.load(); }
   bool ended() const { return ended_.load(); }
 

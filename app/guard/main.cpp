@@ -37,7 +37,7 @@ const char* level_name(log::Level level) {
   return level == log::Level::warning ? "warning" : level == log::Level::error ? "error" : "info";
 }
 
-/// To the launcher, which shows it; to the screen when there is none, or none any more.
+/// Sends the message to the launcher, or prints it if there is no launcher.
 void say(int owner, log::Level level, std::string_view text) {
   const guard::Packet packet{"log", {{"level", level_name(level)}, {"text", std::string(text)}}};
   if (owner < 0 || guard::send_packet(owner, packet) != 0) {

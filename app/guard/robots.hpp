@@ -1,4 +1,4 @@
-// The guard as a node of ROS: one session of each version for all robots that it watches over.
+// The guard as a node of ROS: one session per version of ROS for all robots.
 #pragma once
 
 #include <map>
@@ -13,10 +13,9 @@ namespace spikeloop::guard {
 
 class Robots {
  public:
-  /// Begins to publish on the adapter's topic, so that subscribers are connected when a zero must
-  /// leave. The first one of a version decides where its robots are met: the ROS master. Safe to
-  /// call from any thread; may wait some seconds for the master.
-  /// @throws Error when the guard could not stop this robot.
+  /// Advertises the topic of the adapter, so that subscribers are connected before a stop. The
+  /// first adapter of a ROS version decides on the master or domain. Thread-safe; may wait some
+  /// seconds for the master. @throws Error if the guard could not stop this robot.
   std::unique_ptr<topics::RawPublisher> advertise(const Hello& hello);
 
  private:

@@ -37,21 +37,21 @@ bool somebody_listens(const sockaddr_un& address) {
 }
 
 bool bind_to(int fd, const sockaddr_un& address) {
-  // Whoever can connect can have a robot stopped: nobody but the user.
+  // Only the user may connect, because a client can stop a robot.
   const mode_t before = umask(077);
   const bool bound = bind(fd, status::generic(address), sizeof address) == 0;
   umask(before);
   return bound;
 }
 
-}  // namespace
-
-Listener::Listener(const std::string& path) : path_(path), socket_(make_socket()) {
+/// Replaces a socket at which no process listens. @throws FileError
+Descriptor listen_at(const std::string& path) {
   const auto address = status::socket_address(path);
   if (!address) {
     throw FileError("make the socket", path, ENAMETOOLONG);
   }
-  bool bound = bind_to(socket_.get(), *address);
+  Descriptor listener = make_socket();
+  bool bound = bind_to(listener.get(), *address);
   struct stat file {};
   if (!bound && errno == EADDRINUSE && lstat(path.c_str(), &file) == 0 && S_ISSOCK(file.st_mode)) {
     if (somebody_listens(*address)) {
@@ -59,26 +59,28 @@ Listener::Listener(const std::string& path) : path_(path), socket_(make_socket()
           fmt::format("another guard listens at '{}'; give another path with --socket", path));
     }
     unlink(path.c_str());
-    bound = bind_to(socket_.get(), *address);
+    bound = bind_to(listener.get(), *address);
   }
-  if (!bound || listen(socket_.get(), kBacklog) != 0) {
+  if (!bound || listen(listener.get(), kBacklog) != 0) {
     throw FileError("make the socket", path, errno);
   }
+  return listener;
 }
 
-Listener::~Listener() {
-  unlink(path_.c_str());
-}
-
-Descriptor Listener::accept() const {
-  return Descriptor{accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK)};
-}
+}  // namespace
 
 Server::Server(const std::string& path, int owner)
-    : listener_(path), wakeup_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)), owner_(owner) {
+    : path_(path),
+      listener_(listen_at(path)),
+      wakeup_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      owner_(owner) {
   if (owner_ >= 0) {
     send_packet(owner_, {"listening"});
   }
+}
+
+Server::~Server() {
+  unlink(path_.c_str());
 }
 
 void Server::run() {
@@ -95,7 +97,7 @@ void Server::run() {
 
 void Server::turn() {
   // An owner that has gone would always be ready.
-  pollfd files[] = {{guarded_.size() < kMostAdapters ? listener_.fd() : -1, POLLIN, 0},
+  pollfd files[] = {{guarded_.size() < kMostAdapters ? listener_.get() : -1, POLLIN, 0},
                     {signals_.fd(), POLLIN, 0},
                     {wakeup_.get(), POLLIN, 0},
                     {owner_gone() ? -1 : owner_, POLLIN, 0}};
@@ -106,7 +108,7 @@ void Server::turn() {
 
 void Server::take_in() {
   while (guarded_.size() < kMostAdapters) {
-    Descriptor adapter = listener_.accept();
+    Descriptor adapter{accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK)};
     if (adapter.get() < 0) {
       if (errno != EAGAIN) {
         std::this_thread::sleep_for(kShortage);

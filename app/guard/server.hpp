@@ -1,10 +1,10 @@
-// The guard's main thread: takes adapters in, and knows when it is no longer needed.
+// The main thread of the guard: accepts adapters, and ends when none needs it.
 #pragma once
 
 #include <signal.h>
 
 #include <list>
-#include <memory>
+#include <string>
 
 #include "guarded_robot.hpp"
 #include "robots.hpp"
@@ -12,33 +12,19 @@
 
 namespace spikeloop::guard {
 
-/// A socket that is bound to a path, and removed with its owner.
-class Listener {
- public:
-  /// Takes the place of a socket that nobody listens at. @throws FileError
-  explicit Listener(const std::string& path);
-  ~Listener();
-  Listener(const Listener&) = delete;
-  Listener& operator=(const Listener&) = delete;
-
-  int fd() const { return socket_.get(); }
-  /// The next adapter that waits; empty when there is none.
-  Descriptor accept() const;
-
- private:
-  std::string path_;
-  Descriptor socket_;
-};
-
 class Server {
  public:
-  /// Blocks the signals that stop it; so before any thread is started. @throws FileError
+  /// Blocks the signals that stop it; construct it before any thread is started. @throws FileError
+  /// @param path path of the socket, which is removed in the end
   /// @param owner socket to the launcher; -1 if no launcher has started the guard
   Server(const std::string& path, int owner);
 
-  /// Until it is told to stop, or its owner has gone and no adapter needs it. Robots that are just
-  /// being stopped get the rest of their zeros in the destructor.
+  /// Runs until a signal stops it, or its owner has ended and no adapter needs it. Robots that are
+  /// being stopped receive their remaining stop commands in the destructor.
   void run();
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
 
  private:
   void turn();
@@ -48,8 +34,9 @@ class Server {
   void report(const Hello& hello) const;
   bool owner_gone() const;
 
-  Listener listener_;
-  status::SignalWatch signals_;  ///< before any thread: they inherit that it holds signals back
+  std::string path_;
+  Descriptor listener_;
+  status::SignalWatch signals_;  ///< before any thread, which inherits the signal mask
   Descriptor wakeup_;
   int owner_;
   Robots robots_;

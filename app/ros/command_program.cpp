@@ -101,16 +101,6 @@ CommandMapping read_command_mapping(const music::Process& process, const Paramet
   return all_channels();
 }
 
-/// Of the first command of each message, in simulated time and ms.
-void record_latency(music::Process& process, bool with_data_stamp,
-                    ros_command::CommandEndpoint& command) {
-  if (auto write = with_data_stamp ? process.value_recorder("latency", "ms") : nullptr) {
-    command.sink().on_latency([write = std::move(write)](TimeNs simulated, TimeNs latency) {
-      write(simulated, static_cast<double>(latency) / 1e6);
-    });
-  }
-}
-
 /// With its mapping.
 Section read_command(const music::Process& process, const RosProgram& program) {
   Section section = read_section(process, program, command_parameters(program));
@@ -216,7 +206,9 @@ int run_command(music::Process& process, const RosProgram& program) {
         {fmt::format("sensor {}.out", i), fmt::format("topic.sensor_{}", i), 1, 0, {}});
   }
   process.attach_recorders(description);
-  record_latency(process, data_stamp != nullptr, command);
+  if (data_stamp) {
+    command.sink().on_latency(process.value_recorder("latency", "ms"));
+  }
   Graph graph(description);
   music::Process::LoopHooks hooks;
   hooks.after_loop = [&] { command.stop(command::StopReason::ended); };

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <set>
+#include <utility>
 
 #include "faults.hpp"
 #include "spikeloop/config/message_type.hpp"
@@ -66,10 +66,6 @@ std::set<std::string> behind(const Experiment& experiment, const std::string& no
     }
   }
   return seen;
-}
-
-std::string emergency_topic(const Node& node) {
-  return topic_of(node, "emergency_stop", node.parameters.map("emergency_stop"), "");
 }
 
 }  // namespace
@@ -152,7 +148,8 @@ command::Override manual_override(const Node& command) {
   const Parameters& keys = command.parameters.map("override");
   const std::string topic =
       topic_of(command, "override", keys, command.parameters.text("topic") + "_manual");
-  if (!topic.empty() && topic == emergency_topic(command)) {
+  const Parameters& emergency = command.parameters.map("emergency_stop");
+  if (!topic.empty() && topic == topic_of(command, "emergency_stop", emergency, "")) {
     throw ConfigurationError(
         command.parameters.where("override"),
         with_code(
@@ -244,31 +241,25 @@ std::vector<const Connection*> watched_spikes(const Experiment& experiment, cons
 }
 
 std::optional<Upstream> nearest_sensor(const Experiment& experiment, const std::string& node) {
-  // Dijkstra, against the connections' direction.
-  std::map<std::string, std::uint64_t> distance{{node, 0}};
+  // Dijkstra, against the direction of the connections.
+  std::set<std::pair<std::uint64_t, std::string>> open{{0, node}};
   std::set<std::string> done;
-  for (;;) {
-    std::string nearest;
-    for (const auto& [name, delay] : distance) {
-      if (!done.contains(name) && (nearest.empty() || delay < distance[nearest])) {
-        nearest = name;
-      }
-    }
-    if (nearest.empty()) {
-      return std::nullopt;
+  while (!open.empty()) {
+    const auto [distance, nearest] = *open.begin();
+    open.erase(open.begin());
+    if (!done.insert(nearest).second) {
+      continue;
     }
     if (experiment.node(nearest).kind == kRosSensor) {
-      return Upstream{nearest, static_cast<std::uint32_t>(distance[nearest])};
+      return Upstream{nearest, static_cast<std::uint32_t>(distance)};
     }
-    done.insert(nearest);
     for (const Connection& connection : experiment.connections) {
       if (node_of(connection.to) == nearest) {
-        const std::uint64_t delay = distance[nearest] + connection.delay_ticks.value_or(0);
-        const auto [known, is_new] = distance.emplace(node_of(connection.from), delay);
-        known->second = std::min(known->second, delay);
+        open.emplace(distance + connection.delay_ticks.value_or(0), node_of(connection.from));
       }
     }
   }
+  return std::nullopt;
 }
 
 }  // namespace spikeloop::experiment

@@ -373,19 +373,11 @@ void Assembly::take_latency(const Node& node, ros_command::CommandEndpoint& comm
   if (!experiment::nearest_sensor(experiment_, node.name)) {
     return;
   }
-  std::vector<std::function<void(TimeNs, double)>> takers;
   if (!folder_.empty() && node.record) {
-    takers.push_back(recorder_of(node).value_writer("latency", "ms"));
+    command.sink().on_latency(recorder_of(node).value_writer("latency", "ms"));
   }
   if (view_ != nullptr) {
-    takers.push_back(view_->value(fmt::format("/{}/latency", node.name)));
-  }
-  if (!takers.empty()) {
-    command.sink().on_latency([takers = std::move(takers)](TimeNs simulated, TimeNs latency) {
-      for (const auto& take : takers) {
-        take(simulated, static_cast<double>(latency) / 1e6);
-      }
-    });
+    command.sink().on_latency(view_->value(fmt::format("/{}/latency", node.name)));
   }
 }
 

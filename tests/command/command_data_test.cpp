@@ -134,8 +134,8 @@ TEST_F(CommandDataTest, latency_counts_to_the_sending_of_the_message) {
   CommandSettings slow = settings(0, 0);
   slow.gate.min_interval = 25 * kMs;
   CommandSink sink(slow, *this, kUnwatched);
-  std::vector<TimeNs> latencies;
-  sink.on_latency([&](TimeNs, TimeNs latency) { latencies.push_back(latency / kMs); });
+  std::vector<double> latencies;
+  sink.on_latency([&](TimeNs, double latency_ms) { latencies.push_back(latency_ms); });
   const auto tick = [&](TimeNs now, TimeNs arrived, double value) {
     take(sink, {.now = now * kMs, .first = arrived * kMs, .second = now * kMs, .value = value});
   };

@@ -120,6 +120,12 @@ std::optional<TimeNs> CommandSink::age_of_data(const Step& step, TimeNs now) {
       data_stamp.valid() ? data_stamp.values[0] : std::numeric_limits<double>::quiet_NaN(), now);
 }
 
+void CommandSink::on_latency(TakeLatency take) {
+  if (take) {
+    take_latency_.push_back(std::move(take));
+  }
+}
+
 void CommandSink::settle_latencies(TimeNs simulated) {
   switch (channel_.network_command()) {
     case CommandChannel::NetworkCommand::held_back:
@@ -129,8 +135,8 @@ void CommandSink::settle_latencies(TimeNs simulated) {
       break;
     case CommandChannel::NetworkCommand::sent:
       age_.settle(published_, [&](TimeNs latency) {
-        if (take_latency_) {
-          take_latency_(simulated, latency);
+        for (const TakeLatency& take : take_latency_) {
+          take(simulated, static_cast<double>(latency) / 1e6);
         }
       });
   }

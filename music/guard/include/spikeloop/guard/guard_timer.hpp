@@ -1,5 +1,4 @@
-// When a guard stops the robot. A pure function of messages and times, so that every rule is a
-// test.
+// Decides when a guard stops the robot. A pure function of messages and times.
 #pragma once
 
 #include <optional>
@@ -8,14 +7,13 @@
 
 namespace spikeloop::guard {
 
-/// A command adapter says so often that it lives.
+/// Wall time between two beats of a command adapter to its guard.
 inline constexpr TimeNs kBeatPeriod = 20'000'000;
-/// Its watchdog and that much without a beat: then it cannot stop the robot itself. The thread that
-/// beats may be that late on a busy machine.
+/// Delay of a beat on a busy machine.
 inline constexpr TimeNs kMargin = 100'000'000;
 
-/// Longest wall time between two beats of an adapter with this watchdog, or of its launcher. Then
-/// the robot is stopped.
+/// Longest wall time between two beats of an adapter with this watchdog, or of its launcher. After
+/// it the robot is stopped.
 TimeNs deadline_for(TimeNs watchdog);
 
 /// Wall time between two beats of a guard to an adapter, and to the launcher.
@@ -23,23 +21,23 @@ inline constexpr TimeNs kGuardBeatPeriod = 100'000'000;
 /// Wall time without a beat of the guard after which it counts as lost.
 inline constexpr TimeNs kGuardSilence = 500'000'000;
 
-/// A robot that is stopped gets this many zero commands, so that one is the last whatever was still
-/// on its way; then no more: somebody else may want to drive.
+/// Number of stop commands of a guard, so that the last message is one. Then it sends nothing,
+/// because another program may drive the robot.
 inline constexpr int kZeros = 5;
 inline constexpr TimeNs kZeroInterval = 50'000'000;
-/// Zeros without a subscriber do not count; no more zeros are sent after this time. Over Fast DDS a
-/// guard and a robot may need two seconds to discover each other.
+/// Stop commands without a subscriber do not count, but none is sent after this time. Over Fast DDS
+/// a guard and a robot may need two seconds to discover each other.
 inline constexpr TimeNs kLongestStop = 3 * kNsPerSecond;
 
 enum class Cause {
-  lost,   ///< the connection has ended, and the adapter has not said that it stopped the robot
+  lost,   ///< the connection has ended before "done"
   silent  ///< no beat for too long
 };
 
 /// The watch over one command adapter. All times are wall time.
 class GuardTimer {
  public:
-  /// @param watchdog the adapter's own: how long it leaves the robot without a new command
+  /// @param watchdog that of the adapter
   GuardTimer(TimeNs watchdog, TimeNs now);
 
   void beat(TimeNs now);
@@ -48,21 +46,19 @@ class GuardTimer {
   /// The connection has ended.
   void lost(TimeNs now);
 
-  /// True: a zero command leaves now.
-  /// @param heard whether anybody subscribes to the commands
+  /// Returns true if a stop command is to be sent now.
+  /// @param heard True if the commands have a subscriber
   bool poll(TimeNs now, bool heard);
-  /// When poll() may say true if nothing comes.
+  /// Earliest time at which poll() may return true if nothing arrives.
   TimeNs next_due() const;
 
-  /// Zeros are still to be sent.
+  /// True if further stop commands will be sent.
   bool stopping() const { return state_ == State::stopping; }
-  /// Nothing more can come of it.
   bool over() const { return state_ == State::over; }
-  /// Why the robot was stopped; nothing while the adapter drives it, or has stopped it itself.
+  /// Cause of the stop; nullopt while the adapter drives the robot, or if it has stopped it itself.
   std::optional<Cause> cause() const { return cause_; }
-  /// True if a zero command of this stop had a subscriber.
+  /// True if a stop command had a subscriber.
   bool robot_stopped() const { return robot_stopped_; }
-  /// Longest time without a beat.
   TimeNs deadline() const { return deadline_; }
 
  private:

@@ -26,7 +26,6 @@ namespace spikeloop::guard {
 /// The environment variable that holds the path of the guard's socket.
 inline constexpr const char* kSocketVariable = "SPIKELOOP_GUARD";
 
-/// Both sides must be of the same.
 inline constexpr int kProtocol = 5;
 
 /// Longest packet in bytes; a longer one is not sent, and not read.
@@ -38,13 +37,12 @@ struct Packet {
 };
 
 std::string encode(const Packet& packet);
-/// Returns a packet with an empty type if the bytes are not a packet.
 Packet decode(std::string_view bytes);
 
 /// Field of "refused": the adapter must not drive the robot.
 inline constexpr const char* kEndsRun = "ends_run";
 
-/// How a command adapter introduces itself.
+/// First packet of a command adapter.
 struct Hello {
   int protocol = kProtocol;
   std::string process{};  ///< label of the section
@@ -59,7 +57,7 @@ struct Hello {
 };
 
 Packet to_packet(const Hello& hello);
-/// Nothing when the packet is not a hello, or of another protocol that says it in another way.
+/// nullopt if the packet is not a hello of this protocol.
 std::optional<Hello> read_hello(const Packet& packet);
 
 Packet stop_packet(const std::vector<std::byte>& message);
@@ -70,7 +68,7 @@ std::string text_of(const Packet& packet, const std::string& key);
 /// The integer in a field; nullopt if there is none.
 std::optional<std::int64_t> integer_of(const Packet& packet, const std::string& key);
 
-/// Never waits. Returns 0 or an errno: EAGAIN when there is no room.
+/// Does not wait. Returns 0 or an errno: EAGAIN if the socket is full.
 int send_packet(int fd, const Packet& packet);
 
 /// Sends "beat" unless an earlier packet is still unread: beats must not fill the socket of a
@@ -80,13 +78,13 @@ void send_beat(int fd);
 bool has_unread(int fd);
 
 struct Received {
-  bool closed = false;   ///< the other side has gone, and all it said has been read
-  bool nothing = false;  ///< not yet
+  bool closed = false;   ///< the peer has closed the connection, and all its packets were read
+  bool nothing = false;  ///< no packet has arrived
   Packet packet{};
 };
-/// Never waits.
+/// Does not wait.
 Received receive_packet(int fd);
-/// Waits until something can be read. False when `timeout` (wall time) has passed.
+/// Waits until the descriptor is readable. False after the wall time `timeout`.
 bool wait_readable(int fd, TimeNs timeout);
 
 }  // namespace spikeloop::guard

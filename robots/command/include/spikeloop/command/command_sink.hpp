@@ -22,7 +22,7 @@ namespace spikeloop::command {
 
 /// Called in the loop after the first command that is computed from a message has been sent:
 /// simulated time, and the time from the arrival of the message to the sending of the command.
-using TakeLatency = std::function<void(TimeNs simulated, TimeNs latency)>;
+using TakeLatency = std::function<void(TimeNs simulated, double latency_ms)>;
 
 /// Cause of a stop, as it follows "the robot is stopped: ".
 /// @param silent_sensor index in settings.sensors, for that reason
@@ -73,8 +73,9 @@ class CommandSink : public Sink {
 
   /// The loop waits: its silence does not count, as before the first tick.
   void alive();
-  /// Before the loop begins. Nothing is called without `with_data_stamp`.
-  void on_latency(TakeLatency take) { take_latency_ = std::move(take); }
+  /// Adds a receiver of latencies; nothing if it is empty. To be called before the loop begins.
+  /// Without `with_data_stamp` nothing is measured.
+  void on_latency(TakeLatency take);
   // As OperatorInput, and takes effect at once, in lockstep at the next tick. Thread-safe.
   void watch_publishers(std::function<bool()> has_publishers) {
     operator_.watch_publishers(std::move(has_publishers));
@@ -132,7 +133,7 @@ class CommandSink : public Sink {
   SilenceWatch sensors_;
   SilenceWatch spikes_;
   std::atomic<std::size_t> silent_sensor_{0};  ///< when one last was
-  TakeLatency take_latency_;
+  std::vector<TakeLatency> take_latency_;
   OperatorInput operator_;
   std::optional<Watch> watch_;  ///< the last: it uses all the rest
 };
