@@ -1,18 +1,41 @@
-// One command adapter that the guard watches, in a separate thread: starting ROS may take seconds,
-// in which the other robots must stay guarded.
+// The robots that the guard watches.
 #pragma once
 
 #include <atomic>
 #include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <thread>
 
-#include "robots.hpp"
 #include "spikeloop/guard/guard_timer.hpp"
 #include "spikeloop/guard/protocol.hpp"
+#include "spikeloop/topics/rosout.hpp"
 #include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::guard {
 
+/// The guard as a node of ROS: one session per version of ROS for all robots.
+class Robots {
+ public:
+  /// Advertises the topic of the adapter, so that subscribers are connected before a stop. The
+  /// first adapter of a ROS version decides on the master or domain. Thread-safe; may wait some
+  /// seconds for the master. @throws Error if the guard could not stop this robot.
+  std::unique_ptr<topics::RawPublisher> advertise(const Hello& hello);
+
+ private:
+  struct Entered {
+    topics::Place place;
+    std::unique_ptr<topics::Session> session;
+    std::unique_ptr<topics::Rosout> rosout;
+  };
+
+  std::mutex mutex_;
+  std::map<int, Entered> entered_;  ///< by the version of ROS
+};
+
+/// One command adapter that the guard watches, in a separate thread: starting ROS may take seconds,
+/// in which the other robots must stay guarded.
 class GuardedRobot {
  public:
   struct Events {

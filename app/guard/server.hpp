@@ -7,7 +7,6 @@
 #include <string>
 
 #include "guarded_robot.hpp"
-#include "robots.hpp"
 #include "spikeloop/status/signal_watch.hpp"
 
 namespace spikeloop::guard {

@@ -165,17 +165,14 @@ void check_transport(const Node& node, messages::Dialect ros) {
     }
   }
   if (node.kind == kRosCommand) {
-    if (const std::string& states = parameters.text("joint_states");
-        !states.empty() && states != "none") {
-      check_topic(parameters, "joint_states", ros, states);
-    }
-    const std::string stop = emergency_stop(node, ros).topic;
-    const std::string manual = manual_override(node).topic;
-    if (!stop.empty()) {
-      check_topic(parameters, "emergency_stop", ros, stop);
-    }
-    if (!manual.empty()) {
-      check_topic(parameters, "override", ros, manual);
+    const std::pair<const char*, std::string> written[] = {
+        {"joint_states", parameters.text("joint_states")},
+        {"emergency_stop", emergency_stop(node, ros).topic},
+        {"override", manual_override(node).topic}};
+    for (const auto& [key, topic] : written) {
+      if (!topic.empty() && topic != "none") {
+        check_topic(parameters, key, ros, topic);
+      }
     }
   }
 }
