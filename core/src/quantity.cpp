@@ -85,6 +85,10 @@ std::vector<std::string> units_like(std::string_view unit) {
                           : units_of(known->dimension);
 }
 
+std::string format_rounded(double number, int digits) {
+  return fmt::format("{}", std::stod(fmt::format("{:.{}e}", number, digits - 1)));
+}
+
 double parse_quantity(std::string_view text, std::string_view unit) {
   const std::string_view body = trimmed(text);
   const std::string_view wanted = unit.empty() ? std::string_view("1") : unit;

@@ -10,6 +10,7 @@
 #include "faults.hpp"
 #include "spikeloop/bag/reader.hpp"
 #include "spikeloop/core/code.hpp"
+#include "spikeloop/core/units.hpp"
 #include "spikeloop/experiment/experiment.hpp"
 
 namespace spikeloop::experiment {
@@ -265,11 +266,12 @@ void check_spike_rates(const Experiment& experiment, Faults& faults) {
       faults.add(
           node.parameters.where(kKey),
           with_code(Code::out_of_bounds,
-                    "node '{}': key '{}': {} channels of {:g} Hz send up to {:.3g} spikes "
-                    "per tick of {}, which need {:.3g} GB; at most {:g} spikes: write a "
+                    "node '{}': key '{}': {} channels of {} Hz send up to {} spikes "
+                    "per tick of {}, which need {} GB; at most {} spikes: write a "
                     "lower {}, fewer channels, or a shorter tick",
-                    node.name, kKey, output.width, rate_hz, spikes, format_time(experiment.tick),
-                    spikes * sizeof(Spike) / 1e9, kMostSpikes, kKey));
+                    node.name, kKey, output.width, rate_hz, format_rounded(spikes, 3),
+                    format_time(experiment.tick), format_rounded(spikes * sizeof(Spike) / 1e9, 3),
+                    kMostSpikes, kKey));
     }
   }
 }

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/core/units.hpp"
 #include "spikeloop/experiment/layout.hpp"
 #include "spikeloop/experiment/simulators.hpp"
 
@@ -145,11 +146,12 @@ void warn_of_overruns(const Experiment& experiment, const Progress& progress, Ti
   if (!by_clock && speed > experiment.real_time_factor) {
     return;  // single ticks were slow, or other programs used the processor
   }
+  const std::string shown = format_rounded(speed, 2);
   const auto remedy =
-      by_clock ? fmt::format("let the simulator run at less than {:.2g} times real time", speed)
-               : fmt::format("a real_time_factor below {:.2g} can be kept", speed);
-  log::warning("{} of {} ticks began more than a tick late. Computing 1 s takes {:.2g} s here; {}",
-               progress.overruns, ticks, 1 / speed, remedy);
+      by_clock ? fmt::format("let the simulator run at less than {} times real time", shown)
+               : fmt::format("a real_time_factor below {} can be kept", shown);
+  log::warning("{} of {} ticks began more than a tick late. Computing 1 s takes {} s here; {}",
+               progress.overruns, ticks, format_rounded(1 / speed, 2), remedy);
 }
 
 }  // namespace spikeloop::fused

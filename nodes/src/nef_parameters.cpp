@@ -12,6 +12,7 @@
 #include "parameter_checks.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/random.hpp"
+#include "spikeloop/core/units.hpp"
 
 namespace spikeloop {
 
@@ -86,8 +87,8 @@ void check_rates(const Parameters& given) {
         given.where(given.given("max_rate_low") ? "max_rate_low" : "tau_m"),
         with_code(Code::out_of_bounds,
                   "key 'max_rate_low': {} Hz are too slow for a membrane of {} s; write at least "
-                  "{:.3g} Hz, or a longer tau_m",
-                  lowest, tau_m, 1.01 / (t_ref + kMostTaus * tau_m)));
+                  "{} Hz, or a longer tau_m",
+                  lowest, tau_m, format_rounded(1.01 / (t_ref + kMostTaus * tau_m), 3)));
   }
   if (!(1 / highest - t_ref >= kLeast_s)) {
     throw ConfigurationError(

@@ -19,6 +19,7 @@
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/file.hpp"
+#include "spikeloop/core/units.hpp"
 #include "stream.hpp"
 #include "writer.hpp"
 
@@ -303,12 +304,11 @@ std::size_t Recorder::Impl::rows_of(const std::string& stream, std::uint32_t wid
   if (rows > kMostBufferBytes / row) {
     throw ConfigurationError(with_code(
         Code::out_of_bounds,
-        "recording '{}' of '{}' needs a buffer of {:.3g} GB for {} rows of {} channels, {:.3g} "
-        "rows "
+        "recording '{}' of '{}' needs a buffer of {} GB for {} rows of {} channels, {} rows "
         "per second; at most {} GB: write  record: false  for this node, fewer channels, a longer "
         "tick, or  sync: lockstep",
-        stream, path, static_cast<double>(rows) * static_cast<double>(row) / 1e9, rows, width,
-        1e9 / static_cast<double>(tick), kMostBufferBytes >> 30));
+        stream, path, format_rounded(static_cast<double>(rows) * static_cast<double>(row) / 1e9, 3),
+        rows, width, format_rounded(1e9 / static_cast<double>(tick), 3), kMostBufferBytes >> 30));
   }
   return rows;
 }

@@ -6,6 +6,7 @@
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/core/units.hpp"
 #include "spikeloop/core/weights.hpp"
 #include "support.hpp"
 
@@ -44,6 +45,15 @@ TEST(Time, PrintsTheLargestUnitThatIsNotLonger) {
   EXPECT_EQ(format_time(1'000'001), "1.000001 ms");
   EXPECT_EQ(format_time(102'998'999'999), "102.998999999 s");
   EXPECT_EQ(format_time(-2'000'500), "-2.0005 ms");
+}
+
+TEST(Numbers, AreRoundedWithoutAnExponent) {
+  EXPECT_EQ(format_rounded(217.4, 2), "220");
+  EXPECT_EQ(format_rounded(1e6, 3), "1000000");
+  EXPECT_EQ(format_rounded(999'999, 3), "1000000");
+  EXPECT_EQ(format_rounded(0.004567, 2), "0.0046");
+  EXPECT_EQ(format_rounded(2, 2), "2");
+  EXPECT_EQ(format_rounded(0, 2), "0");
 }
 
 TEST(Interval, IsOpenOnTheLeftAndClosedOnTheRight) {

@@ -263,7 +263,7 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"duration: 1 s", "duration: 100 s"},
                    {"tick: 1 ms", "tick: 100 s"},
                    {"200 Hz", "1 MHz"}},
-                  {"x.yaml:7:43: node 'encoder': key 'rate_max': 3 channels ... 3e+08 spikes per "
+                  {"x.yaml:7:43: node 'encoder': key 'rate_max': 3 channels ... 300000000 spikes per "
                    "tick of 100 s ... 4.8 GB ... [SL0203]"}},
         WrongFile{"two faulty connections",
                   {{"-> encoder [3]", "-> encodr [3]"}, {"decoder [3]", "decodr [3]"}},

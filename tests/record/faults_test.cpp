@@ -172,7 +172,7 @@ TEST_F(RecorderFaults, SignalTooWideForItsRateIsRefused) {
   Recorder hurried(file(), "x", {1, kTick});
   EXPECT_THAT(message<ConfigurationError>([&] { hurried.signal_sink("out", kWidth, ""); }),
               Fault("recording 'out' of '" + file() +
-                    "' ... 32.8 GB for 4096 rows of 1000000 channels, 1e+06 rows per second ... "
+                    "' ... 32.8 GB for 4096 rows of 1000000 channels, 1000000 rows per second ... "
                     "record: false ... [SL0203]"));
   record::RecorderOptions options;
   options.patient = true;  // a loop that waits for the writer needs few rows
