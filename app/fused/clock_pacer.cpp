@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -11,9 +12,11 @@
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/core/units.hpp"
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/topics/names.hpp"
+#include "spikeloop/topics/other_types.hpp"
 
 namespace spikeloop {
 namespace {
@@ -34,9 +37,11 @@ class ClockPacer : public Pacer {
         seconds_(messages::Catalog::for_type(session.dialect(), kType), kType, "clock.secs"),
         nanoseconds_(messages::Catalog::for_type(session.dialect(), kType), kType, "clock.nsecs"),
         subscriber_(session.subscriber(
-            {.topic = kTopic, .message_type = kType, .queue = 1, .take = [this](auto message) {
-               take(message);  // the newest is enough, as for the nodes of rclcpp
-             }})) {}
+            {.topic = kTopic,
+             .message_type = kType,
+             .queue = 1,  // the newest is enough, as for the nodes of rclcpp
+             .take = [this](auto message) { take(message); },
+             .refuse = [this](const auto& other) { other_types_.add(other); }})) {}
 
   void start() override { started_ = wall_now(); }
 
@@ -108,9 +113,9 @@ class ClockPacer : public Pacer {
   void compare_with_tick(TimeNs period) {
     compared_ = true;
     if (period > tick_ + tick_ / 2) {
-      log::info("{} comes every {}, a tick is {}: {:.3g} ticks are computed at a time", kTopic,
-                format_time(period), format_time(tick_),
-                static_cast<double>(period) / static_cast<double>(tick_));
+      log::info("{} comes every {}, a tick is {}: {} ticks are computed at a time", kTopic,
+                format_time(std::llround(to_seconds(period) * 1e6) * 1000), format_time(tick_),
+                format_rounded(static_cast<double>(period) / static_cast<double>(tick_), 3));
     }
   }
 
@@ -138,9 +143,25 @@ class ClockPacer : public Pacer {
     }
   }
 
+  /// True if a simulator may be paused: its publisher is connected, and sends nothing.
+  bool has_publisher() const {
+    return subscriber_->has_publishers() && !session_.has_warned_of_unreachable_node(kTopic);
+  }
+
+  void report_other_types() {
+    while (const auto other = other_types_.take()) {
+      if (newest_ == kNone) {
+        throw TransportError(with_code(
+            Code::wrong_message, "sync: sim_time: {}; stop that node, or write  sync: realtime",
+            other->text));
+      }
+      log::warning("{}; its messages are ignored", other->text);
+    }
+  }
+
   void refuse_silence(TimeNs waited) const {
     const TimeNs patience = waiting_.start_patience();
-    if (newest_ == kNone && waited > patience) {
+    if (newest_ == kNone && waited > patience && !has_publisher()) {
       throw TransportError(with_code(Code::partner_missing,
                                      "sync: sim_time: {} has brought no time within {}: {}", kTopic,
                                      format_time(patience), reason_for_silence()));
@@ -151,22 +172,25 @@ class ClockPacer : public Pacer {
     if (session_.has_warned_of_unreachable_node(kTopic)) {
       return "its publisher cannot be connected";
     }
-    return subscriber_->has_publishers()
-               ? "it has a publisher, whose simulator is paused; let it go on, or write a longer "
-                 "--start-timeout"
-               : "it has no publisher; start the simulator, or write  sync: realtime";
+    return "it has no publisher; start the simulator, or write  sync: realtime";
   }
 
   void meanwhile(TimeNs waited) {
     alive_();
     session_.require_alive();
+    report_other_types();
     refuse_silence(waited);
     refuse_lost_publisher(waited);
     if (told_ || waited < kSilence) {
       return;
     }
     told_ = true;
-    if (newest_ == kNone) {
+    if (newest_ == kNone && has_publisher()) {
+      log::warning(
+          "{} has a publisher and has brought no time for {}: is the simulator paused? The "
+          "experiment waits",
+          kTopic, format_time(kSilence));
+    } else if (newest_ == kNone) {
       log::warning(
           "{} has brought no time for {}, and sync: sim_time waits for it: is use_sim_time set, "
           "and "
@@ -184,6 +208,7 @@ class ClockPacer : public Pacer {
   std::function<void()> alive_;
   messages::FieldReader seconds_;
   messages::FieldReader nanoseconds_;
+  topics::OtherTypes other_types_;
   Report report_;
   TimeNs started_ = 0;
   bool told_ = false;

@@ -79,10 +79,10 @@ class Simulator:
 class Run:
     """An experiment in the background; its lines as they come."""
 
-    def __init__(self, file, folder, stall_s=6):
+    def __init__(self, file, folder, stall_s=6, start_s=60):
         self.folder = folder
         self.process = subprocess.Popen([runs.SPIKELOOP, "run", str(file), "--out", str(folder),
-                                         "--stall-timeout", str(stall_s)],
+                                         "--stall-timeout", str(stall_s), "--start-timeout", str(start_s)],
                                         stderr=subprocess.PIPE, text=True)
         self.printed = ""
         self.reader = threading.Thread(target=self.read, daemon=True)
@@ -220,6 +220,16 @@ def no_clock(file, folder, reason):
                  "--start-timeout", "2", code=3)
 
 
+def paused_from_the_start(simulator, begin):
+    """A simulator that is paused before it sends a time is waited for, longer than --start-timeout."""
+    run = begin("paused-from-the-start", start_s=2)
+    simulator.join()
+    run.says("/clock has a publisher and has brought no time for 3 s: is the simulator paused? The experiment waits")
+    simulator.drives()
+    run.interrupt()
+    simulator.heard.clear()
+
+
 def silence(begin, command):
     run = begin("silence")
     run.says("/clock has brought no time for 3 s, and sync: sim_time waits for it: is use_sim_time "
@@ -273,7 +283,7 @@ def main():
             silence(lambda name: Run(file, scratch / name), "rostopic")
             no_clock(file, scratch / "no-clock", "it has no publisher")
             simulator = Simulator()
-            no_clock(file, scratch / "paused-clock", "it has a publisher, whose simulator is paused")
+            paused_from_the_start(simulator, lambda name, **options: Run(file, scratch / name, **options))
             for test in (pause, jump, slow_clock, back, gone):
                 simulator.heard.clear()
                 test(simulator, lambda name, **options: Run(file, scratch / name, **options))

@@ -111,27 +111,6 @@ TEST_F(RawTopicTest, is_silent_after_its_end) {
   EXPECT_EQ(heard().size(), before);
 }
 
-TEST_F(RawTopicTest, another_type_is_told_to_who_wants_to_know) {
-  std::vector<topics::OtherType> others;
-  const auto arrays = session_.subscriber({.topic = "/in",
-                                           .message_type = "Float64MultiArray",
-                                           .take = keep(),
-                                           .refuse = [&](const topics::OtherType& other) {
-                                             const std::lock_guard lock(mutex_);
-                                             others.push_back(other);
-                                           }});
-  ASSERT_TRUE(eventually(20, [&] {
-    robot_.publish_twist("/in", 1, 1);
-    const std::lock_guard lock(mutex_);
-    return !others.empty();
-  }));
-  EXPECT_TRUE(heard().empty());
-  const std::lock_guard lock(mutex_);
-  EXPECT_EQ(others.front().type, "geometry_msgs/Twist");
-  EXPECT_EQ(others.front().text,
-            "topic '/in' carries geometry_msgs/Twist, not std_msgs/Float64MultiArray");
-}
-
 // The header begins with the number; the rest of a scan of zeros are 52 - 4 bytes.
 TEST_F(RawTopicTest, messages_with_a_header_are_numbered) {
   const auto publisher = session_.publisher("/scan", "sensor_msgs/LaserScan");

@@ -55,6 +55,25 @@ void resolve(const std::shared_ptr<Resolution>& resolution, const Address& addre
   resolution->changed.notify_one();
 }
 
+constexpr std::size_t kLongestHeader = 1'000'000;
+
+/// Little endian, as TCPROS has it.
+std::string length_of(const std::string& text) {
+  std::string bytes(4, '\0');
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    bytes[i] = static_cast<char>(text.size() >> (8 * i) & 0xFF);
+  }
+  return bytes;
+}
+
+std::size_t read_length(std::string_view bytes) {
+  std::size_t length = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    length |= std::size_t{static_cast<unsigned char>(bytes[i])} << (8 * i);
+  }
+  return length;
+}
+
 /// One connection.
 class Question {
  public:
@@ -85,6 +104,17 @@ class Question {
   }
 
   bool ask_for_pid() { return send_request() && receive_status(); }
+
+  /// A field of TCPROS is its length, and "key=value".
+  bool ask_for_header(const std::string& self, const std::string& topic,
+                      std::map<std::string, std::string>& header) {
+    std::string fields;
+    for (const std::string& field :
+         {"callerid=" + self, "topic=" + topic, std::string("type=*"), std::string("md5sum=*")}) {
+      fields += length_of(field) + field;
+    }
+    return send_text(length_of(fields) + fields) && receive_header(header);
+  }
 
   const std::optional<Fault>& fault() const { return fault_; }
 
@@ -118,9 +148,52 @@ class Question {
         "POST / HTTP/1.0\r\nHost: {}:{}\r\nContent-Type: text/xml\r\n"
         "Content-Length: {}\r\n\r\n{}",
         address_.host, address_.port, body.size(), body);
-    // A few hundred bytes fit the empty buffer of a new connection.
-    const auto sent = ::send(socket_, request.data(), request.size(), MSG_NOSIGNAL);
-    return sent == static_cast<ssize_t>(request.size()) || fail(errno);
+    return send_text(request);
+  }
+
+  /// A few hundred bytes fit the empty buffer of a new connection.
+  bool send_text(const std::string& text) {
+    const auto sent = ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL);
+    return sent == static_cast<ssize_t>(text.size()) || fail(errno);
+  }
+
+  bool receive_header(std::map<std::string, std::string>& header) {
+    std::string length;
+    std::string fields;
+    if (!receive(length, 4)) {
+      return false;
+    }
+    if (read_length(length) > kLongestHeader) {
+      return fail(Fault::Kind::other_program, "another program answers there");
+    }
+    if (!receive(fields, read_length(length))) {
+      return false;
+    }
+    for (std::size_t at = 0; at + 4 <= fields.size();) {
+      const std::size_t size = read_length(std::string_view(fields).substr(at));
+      const std::string field = fields.substr(at + 4, size);
+      at += 4 + size;
+      if (const auto equals = field.find('='); equals != std::string::npos) {
+        header[field.substr(0, equals)] = field.substr(equals + 1);
+      }
+    }
+    return true;
+  }
+
+  bool receive(std::string& bytes, std::size_t size) {
+    while (bytes.size() < size) {
+      if (!wait(POLLIN)) {
+        return false;
+      }
+      char buffer[1024];
+      const auto count =
+          ::recv(socket_, buffer, std::min(sizeof buffer, size - bytes.size()), 0);
+      if (count <= 0) {
+        return fail(Fault::Kind::other_program, "it closes the connection");
+      }
+      bytes.append(buffer, static_cast<std::size_t>(count));
+    }
+    return true;
   }
 
   bool receive_status() {
@@ -229,9 +302,12 @@ std::optional<Fault> ask_for_pid(const Address& address, const Limit& limit) {
   return question.connect() && question.ask_for_pid() ? std::nullopt : question.fault();
 }
 
-std::optional<Fault> connect_only(const Address& address, const Limit& limit) {
+std::optional<Fault> ask_for_header(const Address& address, const Limit& limit,
+                                    const std::string& self, const std::string& topic,
+                                    std::map<std::string, std::string>& header) {
   Question question(address, limit);
-  return question.connect() ? std::nullopt : question.fault();
+  return question.connect() && question.ask_for_header(self, topic, header) ? std::nullopt
+                                                                            : question.fault();
 }
 
 }  // namespace spikeloop::ros1

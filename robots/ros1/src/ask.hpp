@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -35,8 +36,11 @@ struct Limit {
 
 /// Calls getPid, which master and nodes have. @return nullopt if there was an answer
 std::optional<Fault> ask_for_pid(const Address& address, const Limit& limit);
-/// Connects to the address, and sends nothing.
-std::optional<Fault> connect_only(const Address& address, const Limit& limit);
+/// Asks a publisher, at the address of its messages, for the header of a connection: `type`,
+/// `md5sum`, `callerid`... Publishers of every type answer. @return nullopt if there was an answer
+std::optional<Fault> ask_for_header(const Address& address, const Limit& limit,
+                                    const std::string& self, const std::string& topic,
+                                    std::map<std::string, std::string>& header);
 
 /// True for 'localhost' and addresses that no other machine reaches.
 bool is_loopback(const std::string& host);

@@ -159,25 +159,18 @@ bool publishers_know(const std::string& self, const std::string& topic) {
   }
 }
 
-std::vector<topics::Partner> subscribers(const std::string& self, const std::string& topic) {
-  std::vector<topics::Partner> partners;
-  try {
-    XmlRpcValue state = system_state(self);
-    const auto nodes = state.valid() ? nodes_of(state[1], topic) : std::vector<std::string>();
-    for (const std::string& node : nodes) {
-      XmlRpcValue topics = ask_node(self, node, "getSubscriptions");  // [topic, type], ...
-      const int count = topics.getType() == XmlRpcValue::TypeArray ? topics.size() : 0;
-      for (int i = 0; i < count; ++i) {
-        const auto& type = static_cast<std::string&>(topics[i][1]);
-        if (static_cast<std::string&>(topics[i][0]) == topic && type != kAnyType) {
-          partners.push_back({.node = node, .type = type});
-        }
-      }
+std::string subscribed_type(const std::string& self, const Link& subscriber) {
+  XmlRpcValue request;
+  request[0] = self;
+  XmlRpcValue topics = call(subscriber.uri, "getSubscriptions", request);  // [topic, type], ...
+  const int count = topics.getType() == XmlRpcValue::TypeArray ? topics.size() : 0;
+  for (int i = 0; i < count; ++i) {
+    const auto& type = static_cast<std::string&>(topics[i][1]);
+    if (static_cast<std::string&>(topics[i][0]) == subscriber.topic && type != kAnyType) {
+      return type;
     }
-  } catch (const XmlRpc::XmlRpcException&) {
-    // Malformed answer: return the nodes that were read before it.
   }
-  return partners;
+  return {};
 }
 
 std::vector<Link> missing_links(const std::string& self) {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "ask.hpp"
-#include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::ros1 {
 
@@ -17,10 +16,6 @@ bool has_publishers(const std::string& self, const std::string& topic);
 /// As Session::publishers_know_us.
 /// @param self the name of our node
 bool publishers_know(const std::string& self, const std::string& topic);
-
-/// Subscribers of a topic with their types. They come from the nodes themselves: a subscriber of
-/// another type has no connection to a publisher.
-std::vector<topics::Partner> subscribers(const std::string& self, const std::string& topic);
 
 /// Another node of one of this node's topics.
 struct Link {
@@ -35,6 +30,10 @@ struct Link {
 /// Nodes that the master lists for the topics of this node, and that are not connected to it.
 /// @throws XmlRpc::XmlRpcException: the answer has another form than a master's
 std::vector<Link> missing_links(const std::string& self);
+
+/// Type that a subscriber takes. Empty if it takes every type, or does not answer. Another type
+/// than the publisher's has no connection.
+std::string subscribed_type(const std::string& self, const Link& subscriber);
 
 /// Address from which a publisher that answers sends its messages.
 std::optional<Address> data_address(const std::string& self, const Link& publisher);

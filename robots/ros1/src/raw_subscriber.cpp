@@ -2,12 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
-#include <mutex>
-#include <string>
 #include <utility>
 
-#include "raw_message.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/catalog.hpp"
@@ -15,67 +11,52 @@
 
 namespace spikeloop::ros1 {
 
-/// roscpp shares it: after a shutdown of ROS, unsubscribing waits for no callback.
-class RawSubscriber::Receiver {
- public:
-  explicit Receiver(topics::Subscription subscription) : wanted_(std::move(subscription)) {
-    const auto& catalog =
-        messages::Catalog::for_type(messages::Dialect::ros1, wanted_.message_type);
-    type_ = catalog.full_name(wanted_.message_type);
-    md5_ = catalog.md5(type_);
-  }
+Receiver::Receiver(topics::Subscription subscription) : wanted_(std::move(subscription)) {
+  const auto& catalog = messages::Catalog::for_type(messages::Dialect::ros1, wanted_.message_type);
+  type_ = catalog.full_name(wanted_.message_type);
+  md5_ = catalog.md5(type_);
+}
 
-  const topics::Subscription& wanted() const { return wanted_; }
-  const std::string& type() const { return type_; }
-  const std::string& md5() const { return md5_; }
-
-  void take(const ros::MessageEvent<const RawMessage>& event) {
-    const std::lock_guard lock(mutex_);
-    if (closed_) {
-      return;
-    }
-    if (wanted_.refuse && entry(event, "md5sum") != md5_) {
-      refuse(event);
-    } else {
-      latched_ = entry(event, "latching") == "1";
-      wanted_.take(event.getConstMessage()->bytes);
-    }
+void Receiver::take(const ros::MessageEvent<const RawMessage>& event) {
+  const std::lock_guard lock(mutex_);
+  if (!closed_) {
+    const ros::M_string& header = event.getConnectionHeader();
+    const auto latching = header.find("latching");
+    latched_ = latching != header.end() && latching->second == "1";
+    wanted_.take(event.getConstMessage()->bytes);
   }
-  bool latched() const { return latched_; }
-  void close() {
-    const std::lock_guard lock(mutex_);
-    closed_ = true;
-  }
+}
 
- private:
-  /// What the publisher said when it was connected.
-  static std::string entry(const ros::MessageEvent<const RawMessage>& event, const char* key) {
-    const auto found = event.getConnectionHeader().find(key);
-    return found == event.getConnectionHeader().end() ? "" : found->second;
-  }
+void Receiver::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+}
 
-  void refuse(const ros::MessageEvent<const RawMessage>& event) const {
-    const std::string type = entry(event, "type");
-    if (type == type_) {
-      wanted_.refuse({.type = "",
-                      .text = fmt::format(
-                          "topic '{}' carries another version of {} (md5 sum {}, ours is {}); its "
-                          "publisher must use the version of ROS Noetic",
-                          wanted_.topic, type_, entry(event, "md5sum"), md5_),
-                      .node = [node = entry(event, "callerid")] { return node; }});
-    } else {
-      wanted_.refuse(topics::other_type(wanted_.topic, type, type_,
-                                        [node = entry(event, "callerid")] { return node; }));
-    }
+bool Receiver::refuse_other_type(const PublisherHeader& publisher) {
+  const auto entry = [&](const char* key) {
+    const auto found = publisher.find(key);
+    return found == publisher.end() ? std::string() : found->second;
+  };
+  const std::string type = entry("type");
+  const std::string md5 = entry("md5sum");
+  if (md5.empty() || md5 == md5_ || md5 == "*") {
+    return false;
   }
-
-  topics::Subscription wanted_;
-  std::string type_;
-  std::string md5_;
-  std::mutex mutex_;
-  bool closed_ = false;
-  std::atomic<bool> latched_{false};  ///< True if the publisher of the newest message latches
-};
+  topics::OtherType other =
+      topics::other_type(wanted_.topic, type, type_, [node = entry("callerid")] { return node; });
+  if (type == type_) {
+    other.type.clear();
+    other.text = fmt::format(
+        "topic '{}' carries another version of {} (md5 sum {}, ours is {}); its publisher must use "
+        "the version of ROS Noetic",
+        wanted_.topic, type_, md5, md5_);
+  }
+  const std::lock_guard lock(mutex_);
+  if (!closed_ && wanted_.refuse) {
+    wanted_.refuse(other);
+  }
+  return true;
+}
 
 RawSubscriber::RawSubscriber(ros::NodeHandle& node, topics::Subscription subscription) {
   topics::check_topic(messages::Dialect::ros1, subscription.topic);
@@ -87,9 +68,9 @@ RawSubscriber::RawSubscriber(ros::NodeHandle& node, topics::Subscription subscri
       [receiver = receiver_](const ros::MessageEvent<const RawMessage>& event) {
         receiver->take(event);
       });
-  // Who does not refuse wants nothing of other types; who does must get to know them.
-  options.datatype = wanted.refuse ? "*" : receiver_->type();
-  options.md5sum = wanted.refuse ? "*" : receiver_->md5();
+  // Not "*": roscpp would then take the type of its first publisher, and refuse all others.
+  options.datatype = receiver_->type();
+  options.md5sum = receiver_->md5();
   options.transport_hints = ros::TransportHints().tcpNoDelay();
   subscriber_ = node.subscribe(options);
   if (!subscriber_ && ros::ok()) {
@@ -104,10 +85,6 @@ RawSubscriber::RawSubscriber(ros::NodeHandle& node, topics::Subscription subscri
 RawSubscriber::~RawSubscriber() {
   subscriber_.shutdown();
   receiver_->close();
-}
-
-bool RawSubscriber::latched() const {
-  return receiver_->latched();
 }
 
 bool RawSubscriber::has_publishers() const {

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 #include <ros/names.h>
+#include <ros/publication.h>
 #include <ros/this_node.h>
 #include <ros/topic_manager.h>
 #include <ros/transport/transport_tcp.h>
 #include <ros/xmlrpc_manager.h>
 #include <xmlrpcpp/XmlRpcException.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -26,9 +28,9 @@
 namespace spikeloop::ros1 {
 namespace {
 
-/// Also topics with a connection are compared for this time after their first look.
+/// After a topic appears, connections are compared more often for this time.
 constexpr TimeNs kFirstLooks = 5 * kNsPerSecond;
-constexpr TimeNs kPeriod = kNsPerSecond / 2;
+constexpr TimeNs kPeriod = kNsPerSecond / 5;
 constexpr TimeNs kLaterPeriod = 2 * kNsPerSecond;
 /// A connection that is missing for less time may be under way.
 constexpr TimeNs kConnecting = kNsPerSecond;
@@ -78,18 +80,26 @@ struct ReachabilityWatch::Impl {
 
   void run() {
     warn_of_own_address();
-    while (wait(wall_now() < look_often_until ? kPeriod : kLaterPeriod)) {
+    while (wait(wall_now() < look_often_until || is_examining() ? kPeriod : kLaterPeriod)) {
+      note_new_topics();
       // A master that hangs would hold a call of roscpp.
-      if (has_missing_connection() && !ask_for_pid(master, limit())) {
-        look();
+      if (!ask_for_pid(master, limit())) {
+        compare_connections();
       }
     }
   }
 
-  void warn_of_own_address() const {
+  void warn_of_own_address() {
+    const bool wrong = has_wrong_address();
+    const std::lock_guard lock(mutex);
+    own_address = wrong ? OwnAddress::wrong : OwnAddress::right;
+  }
+
+  /// Logs the warning, too.
+  bool has_wrong_address() const {
     const auto own = parse_uri(ros::XMLRPCManager::instance()->getServerURI());
     if (!own) {
-      return;
+      return false;
     }
     const std::string towards_master = own_address_towards(master);
     std::string reason;
@@ -101,7 +111,7 @@ struct ReachabilityWatch::Impl {
     } else if (is_loopback(own->host) && !towards_master.empty()) {
       reason = "which only this machine reaches, and the ROS master is on another one";
     } else {
-      return;
+      return false;
     }
     log::warning(
         "other nodes cannot connect to this one: it is registered at host '{}' ({}), {}; set "
@@ -113,84 +123,134 @@ struct ReachabilityWatch::Impl {
             : towards_master,
         std::getenv("ROS_HOSTNAME") != nullptr ? ", and unset ROS_HOSTNAME, which overrides it"
                                                : "");
+    return true;
   }
 
-  bool has_missing_connection() {
+  void note_new_topics() {
     const auto& manager = ros::TopicManager::instance();
-    const TimeNs now = wall_now();
-    bool missing = false;
-    const auto check = [&](const std::string& topic, std::size_t connections) {
-      if (known.insert(topic).second) {
-        look_often_until = now + kFirstLooks;
+    for (const auto list :
+         {&ros::TopicManager::getSubscribedTopics, &ros::TopicManager::getAdvertisedTopics}) {
+      std::vector<std::string> topics;
+      ((*manager).*list)(topics);
+      for (const std::string& topic : topics) {
+        if (known.insert(topic).second) {
+          look_often_until = wall_now() + kFirstLooks;
+        }
       }
-      missing = missing || connections == 0 || now < look_often_until;
-    };
-    std::vector<std::string> topics;
-    manager->getSubscribedTopics(topics);
-    for (const std::string& topic : topics) {
-      check(topic, manager->getNumPublishers(topic));
     }
-    topics.clear();
-    manager->getAdvertisedTopics(topics);
-    for (const std::string& topic : topics) {
-      check(topic, manager->getNumSubscribers(topic));
-    }
-    return missing;
   }
 
-  void look() {
+  void compare_connections() {
     const auto now = wall_now();
-    std::map<Link, TimeNs> still;
+    std::map<Link, Missing> still;
     for (const Link& link : missing_links(self)) {
-      const auto before = missing_since.find(link);
-      const TimeNs since = before == missing_since.end() ? now : before->second;
-      still.emplace(link, since);
-      if (now - since >= kConnecting && !ending) {
-        examine(link);
+      const auto before = missing.find(link);
+      still.emplace(link, before == missing.end() ? Missing{now, false} : before->second);
+    }
+    {
+      const std::lock_guard lock(mutex);
+      missing = std::move(still);
+    }
+    for (auto& [link, state] : missing) {
+      const bool is_new = state.since == now;  // its connection may be under way
+      if (!state.examined && !is_new && !ending) {
+        const bool done = examine(link, now - state.since);
+        const std::lock_guard lock(mutex);
+        state.examined = done;
       }
     }
-    missing_since = std::move(still);
   }
 
-  void examine(const Link& link) {
-    if (!examined.insert(link).second) {
-      return;
+  /// @return false if the connection may still be under way
+  bool examine(const Link& link, TimeNs since) {
+    const auto address = parse_uri(link.uri);
+    if (!address) {
+      return true;
     }
-    if (const std::string problem = problem_of(link); !problem.empty() && !ending) {
+    Address asked = *address;
+    auto fault = ask_for_pid(asked, limit());
+    if (!fault && (link.is_publisher ? has_other_type(link, asked, fault) : takes_other_type(link))) {
+      return true;
+    }
+    if (since < kConnecting) {
+      return false;
+    }
+    if (fault && !ending) {
       {
         const std::lock_guard lock(mutex);
         warned.insert(link.topic);
       }
       log::warning("topic '{}': no connection with its {} {}: {}", link.topic,
-                   link.is_publisher ? "publisher" : "subscriber", link.node, problem);
+                   link.is_publisher ? "publisher" : "subscriber", link.node,
+                   describe(*fault, asked));
     }
+    return true;
   }
 
-  std::string problem_of(const Link& link) const {
-    const auto address = parse_uri(link.uri);
-    if (!address) {
-      return {};
+  /// Reports another type to the subscriptions of the topic.
+  /// @param asked becomes the address of the publisher's messages, `fault` its fault
+  bool has_other_type(const Link& publisher, Address& asked, std::optional<Fault>& fault) {
+    const auto data = data_address(self, publisher);
+    if (!data) {
+      return false;
     }
-    if (const auto fault = ask_for_pid(*address, limit())) {
-      return describe(*fault, *address);
+    asked = *data;
+    PublisherHeader header;
+    fault = ask_for_header(asked, limit(), self, publisher.topic, header);
+    bool other = false;
+    for (const auto& receiver : receivers_of(publisher.topic)) {
+      other = receiver->refuse_other_type(header) || other;
     }
-    const auto data = link.is_publisher ? data_address(self, link) : std::nullopt;
-    if (const auto fault = data ? connect_only(*data, limit()) : std::nullopt) {
-      return describe(*fault, *data);
-    }
-    return {};
+    return other;
   }
+
+  bool takes_other_type(const Link& subscriber) {
+    const std::string type = subscribed_type(self, subscriber);
+    const auto publication = ros::TopicManager::instance()->lookupPublication(subscriber.topic);
+    if (type.empty() || !publication || publication->getDataType() == type) {
+      return false;
+    }
+    const std::lock_guard lock(mutex);
+    refused[subscriber.topic].push_back({.node = subscriber.node, .type = type});
+    return true;
+  }
+
+  std::vector<std::shared_ptr<Receiver>> receivers_of(const std::string& topic) {
+    const std::lock_guard lock(mutex);
+    std::vector<std::shared_ptr<Receiver>> found;
+    std::erase_if(receivers, [](const auto& receiver) { return receiver.expired(); });
+    for (const auto& receiver : receivers) {
+      const auto alive = receiver.lock();
+      if (alive && ros::names::resolve(alive->wanted().topic) == topic) {
+        found.push_back(alive);
+      }
+    }
+    return found;
+  }
+
+  bool is_examining() const {
+    return std::ranges::any_of(missing, [](const auto& entry) { return !entry.second.examined; });
+  }
+
+  /// A link without a connection.
+  struct Missing {
+    TimeNs since = 0;
+    bool examined = false;
+  };
+  enum class OwnAddress : std::uint8_t { unknown, right, wrong };
 
   const Address master;
   const std::string self = ros::this_node::getName();
   std::set<std::string> known;  // topics of this process
   TimeNs look_often_until = wall_now() + kFirstLooks;
-  std::map<Link, TimeNs> missing_since;
-  std::set<Link> examined;
   std::atomic<bool> ending{false};
   mutable std::mutex mutex;  // of the members below
   std::condition_variable changed;
+  std::map<Link, Missing> missing;  // written by the thread only
+  OwnAddress own_address = OwnAddress::unknown;
   std::set<std::string> warned;
+  std::map<std::string, std::vector<topics::Partner>> refused;
+  std::vector<std::weak_ptr<Receiver>> receivers;
   std::thread thread;
 };
 
@@ -214,9 +274,24 @@ ReachabilityWatch::~ReachabilityWatch() {
   impl_->thread.join();
 }
 
-bool ReachabilityWatch::has_warned(const std::string& topic) const {
+void ReachabilityWatch::add(const std::shared_ptr<Receiver>& receiver) {
   const std::lock_guard lock(impl_->mutex);
-  return impl_->warned.contains(topic);
+  impl_->receivers.push_back(receiver);
+}
+
+bool ReachabilityWatch::explains(const std::string& topic) const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->own_address != Impl::OwnAddress::right || impl_->warned.contains(topic) ||
+         std::ranges::any_of(impl_->missing, [&](const auto& entry) {
+           return entry.first.topic == topic && !entry.second.examined;
+         });
+}
+
+std::vector<topics::Partner> ReachabilityWatch::refused_subscribers(
+    const std::string& topic) const {
+  const std::lock_guard lock(impl_->mutex);
+  const auto found = impl_->refused.find(topic);
+  return found == impl_->refused.end() ? std::vector<topics::Partner>{} : found->second;
 }
 
 }  // namespace spikeloop::ros1

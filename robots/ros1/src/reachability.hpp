@@ -3,13 +3,18 @@
 
 #include <memory>
 #include <string>
+#include <vector>
+
+#include "raw_subscriber.hpp"
+#include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::ros1 {
 
 /// roscpp retries a connection silently and without end if the host name of a node does not resolve
-/// or the node does not answer. Nodes cannot connect to this one either if it registers
-/// a wrong address (ROS_HOSTNAME, ROS_IP). A thread compares the connections of all topics of this
-/// process with those that the master lists, and logs one warning per node and topic.
+/// or the node does not answer, and drops it silently if the node has another type. Nodes cannot
+/// connect to this one either if it registers a wrong address (ROS_HOSTNAME, ROS_IP). A thread
+/// compares the connections of all topics of this process with those that the master lists. It logs
+/// one warning per node and topic that cannot be connected, and reports other types.
 class ReachabilityWatch {
  public:
   /// @param master_uri of the master, which has answered
@@ -19,8 +24,12 @@ class ReachabilityWatch {
   ReachabilityWatch(const ReachabilityWatch&) = delete;
   ReachabilityWatch& operator=(const ReachabilityWatch&) = delete;
 
-  /// True if a warning has named a node of this topic. Safe to call from any thread.
-  bool has_warned(const std::string& topic) const;
+  /// Compares the types of a topic's publishers with that of this subscription.
+  void add(const std::shared_ptr<Receiver>& receiver);
+  /// As Session::has_warned_of_unreachable_node. Safe to call from any thread.
+  bool explains(const std::string& topic) const;
+  /// Subscribers of another type than this node publishes. Safe to call from any thread.
+  std::vector<topics::Partner> refused_subscribers(const std::string& topic) const;
 
  private:
   struct Impl;

@@ -5,23 +5,20 @@
 #include <ros/ros.h>
 
 #include <atomic>
-#include <chrono>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "connections.hpp"
+#include "console.hpp"
 #include "raw_publisher.hpp"
 #include "raw_subscriber.hpp"
 #include "reachability.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/ros1/master.hpp"
-#include "spikeloop/topics/blocked_signals.hpp"
 #include "spikeloop/topics/names.hpp"
 
 namespace spikeloop::ros1 {
@@ -39,6 +36,7 @@ void start_ros(const ros::M_string& arguments, const std::string& node_name,
                std::uint32_t options) {
   try {
     ros::init(arguments, node_name, options);
+    redirect_roscpp_log();
   } catch (const ros::InvalidNameException& error) {
     throw ConfigurationError(with_code(Code::invalid_topic,
                                        "an argument NAME:=VALUE for ROS has no name of ROS: {}",
@@ -53,41 +51,7 @@ std::string master_of(const SessionSettings& settings) {
   return place == settings.place.end() ? master_uri(settings.arguments) : place->second;
 }
 
-/// Asks nodes in a thread of its own, because one that hangs does not answer. The thread may
-/// outlive the session.
-class SubscriberLook : public std::enable_shared_from_this<SubscriberLook> {
- public:
-  /// The answer to the call before; begins to ask again if the last answer is old.
-  std::vector<topics::Partner> subscribers(const std::string& self, const std::string& topic) {
-    const std::lock_guard lock(mutex_);
-    const auto now = std::chrono::steady_clock::now();
-    if (!asking_ && now >= next_) {
-      asking_ = true;
-      std::thread([look = shared_from_this(), self, topic] { look->ask(self, topic); }).detach();
-    }
-    return found_[topic];
-  }
-
- private:
-  static constexpr std::chrono::seconds kPeriod{1};
-
-  void ask(const std::string& self, const std::string& topic) {
-    const topics::BlockedSignals blocked;
-    auto found = ros1::subscribers(self, topic);
-    const std::lock_guard lock(mutex_);
-    found_[topic] = std::move(found);
-    asking_ = false;
-    next_ = std::chrono::steady_clock::now() + kPeriod;
-  }
-
-  std::mutex mutex_;
-  std::map<std::string, std::vector<topics::Partner>> found_;  ///< by topic
-  bool asking_ = false;
-  std::chrono::steady_clock::time_point next_{};
-};
-
 struct Session::Impl {
-  std::shared_ptr<SubscriberLook> look = std::make_shared<SubscriberLook>();
   std::string master_uri;
   ros::CallbackQueue queue;
   std::unique_ptr<ros::NodeHandle> node;
@@ -167,7 +131,11 @@ std::unique_ptr<topics::RawPublisher> Session::publisher(const std::string& topi
 }
 
 std::unique_ptr<topics::RawSubscriber> Session::subscriber(topics::Subscription subscription) {
-  return std::make_unique<RawSubscriber>(*impl_->node, std::move(subscription));
+  auto subscriber = std::make_unique<RawSubscriber>(*impl_->node, std::move(subscription));
+  if (impl_->watch) {
+    impl_->watch->add(subscriber->receiver());
+  }
+  return subscriber;
 }
 
 bool Session::has_publishers(const std::string& topic) const {
@@ -175,11 +143,11 @@ bool Session::has_publishers(const std::string& topic) const {
 }
 
 std::vector<topics::Partner> Session::subscribers(const std::string& topic) const {
-  return impl_->look->subscribers(node_name(), topic);
+  return impl_->watch ? impl_->watch->refused_subscribers(topic) : std::vector<topics::Partner>{};
 }
 
 bool Session::has_warned_of_unreachable_node(const std::string& topic) const {
-  return impl_->watch && impl_->watch->has_warned(topic);
+  return impl_->watch && impl_->watch->explains(topic);
 }
 
 bool Session::publishers_know_us(const std::string& topic) const {

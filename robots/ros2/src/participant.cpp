@@ -3,9 +3,7 @@
 #include <dds/ddsrt/log.h>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <functional>
-#include <iterator>
 #include <mutex>
 #include <set>
 #include <string>
@@ -15,25 +13,10 @@
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/core/log.hpp"
+#include "spikeloop/topics/message_kinds.hpp"
 
 namespace spikeloop::ros2 {
 namespace {
-
-/// Which of Cyclone's messages are new. Of a peer that cannot be reached it says the same for each
-/// of its ports, every time that it tries: messages that differ in numbers alone are one kind.
-class NodeTypes {
- public:
-  bool is_new(std::string_view text) {
-    std::string kind;
-    std::ranges::copy_if(text, std::back_inserter(kind), [](char c) { return c < '0' || c > '9'; });
-    return known_.size() < kMost && known_.insert(std::move(kind)).second;
-  }
-  void clear() { known_.clear(); }
-
- private:
-  static constexpr std::size_t kMost = 1000;
-  std::set<std::string> known_;
-};
 
 /// What Cyclone DDS has to say goes to our log, or into the error that it is about; each kind once.
 class CycloneLog {
@@ -93,8 +76,8 @@ class CycloneLog {
   std::mutex mutex_;
   bool keeping_ = false;
   std::string kept_;
-  NodeTypes kept_kinds_;
-  NodeTypes said_;
+  topics::MessageKinds kept_kinds_;
+  topics::MessageKinds said_;
 };
 
 /// Cyclone DDS has each domain once a process.

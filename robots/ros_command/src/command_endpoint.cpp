@@ -274,9 +274,7 @@ void CommandEndpoint::check_subscribers() {
   checked_at_ = now;
   driven_since_ = driven_since_ == 0 ? now : driven_since_;
   const bool subscribed = publisher_.has_subscribers();
-  const auto other = subscribed && session_.dialect() == messages::Dialect::ros1
-                         ? std::nullopt  // asking all nodes is slow
-                         : subscriber_of_other_type(session_, topic_, settings_.message_type);
+  const auto other = subscriber_of_other_type(session_, topic_, settings_.message_type);
   if (now - driven_since_ < kPatience) {
     return;
   }

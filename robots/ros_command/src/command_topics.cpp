@@ -17,9 +17,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Time in which the name of a node follows its type; nodes of plain DDS have none.
-constexpr TimeNs kIntroduction = kNsPerSecond / 2;
-
 /// So long a run waits for those who can stop its robot.
 constexpr milliseconds kLongestWait{2'000};
 
@@ -78,24 +75,12 @@ std::unique_ptr<topics::RawSubscriber> CommandTopics::subscribe(
                              .queue = queue,
                              .latched = queue == kEveryPress,
                              .take = [this, take](auto message) { (this->*take)(message); },
-                             .refuse =
-                                 [this, topic](const topics::OtherType& other) {
-                                   const std::lock_guard lock(mutex_);
-                                   others_.try_emplace(topic, std::pair(other, wall_now()));
-                                 }});
+                             .refuse = [this](const auto& other) { other_types_.add(other); }});
 }
 
 void CommandTopics::report_other_types() {
-  const std::lock_guard lock(mutex_);
-  for (auto& [topic, entry] : others_) {
-    const auto& [other, since] = entry;
-    const std::string node = other.node ? other.node() : "";
-    if (since == kNever || (node.empty() && other.node && wall_now() - since < kIntroduction)) {
-      continue;
-    }
-    log::warning("{}{}; its messages are ignored", other.text,
-                 node.empty() ? "" : fmt::format("; node {} publishes it", node));
-    entry.second = kNever;
+  while (const auto other = other_types_.take()) {
+    log::warning("{}; its messages are ignored", other->text);
   }
 }
 

@@ -3,16 +3,14 @@
 
 #include <atomic>
 #include <cstddef>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "spikeloop/command/command_sink.hpp"
 #include "spikeloop/messages/field_path.hpp"
+#include "spikeloop/topics/other_types.hpp"
 #include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::ros_command {
@@ -44,9 +42,7 @@ class CommandTopics {
   command::CommandSink& sink_;
   std::vector<messages::FieldReader> emergency_fields_;
   std::vector<messages::FieldReader> manual_fields_;
-  std::mutex mutex_;
-  /// By topic, with the wall time at which the session reported it; kNever: it has been logged.
-  std::map<std::string, std::pair<topics::OtherType, TimeNs>> others_;
+  topics::OtherTypes other_types_;
   std::atomic<bool> warned_{false};
   std::atomic<bool> told_not_finite_{false};
   std::unique_ptr<topics::RawSubscriber> emergency_;

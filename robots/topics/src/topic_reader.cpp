@@ -19,8 +19,6 @@ constexpr TimeNs kLook = kNsPerSecond / 10;
 constexpr std::uint64_t kLeastForLoss = 20;
 constexpr std::uint64_t kLargePart = 10;
 constexpr TimeNs kSuspension = kNsPerSecond;
-/// Time in which the name of a node follows its type; nodes of plain DDS have none.
-constexpr TimeNs kIntroduction = kNsPerSecond / 2;
 
 /// With where this node looks for others: the first thing that is wrong when nothing comes.
 std::string how_to_look(const Session& session) {
@@ -48,7 +46,7 @@ TopicReader::TopicReader(Session& session, const TopicReaderSettings& settings, 
                                     .reliable = settings_.reliable,
                                     .latched = settings_.takes_latched(),
                                     .take = [this](auto message) { receive(message); },
-                                    .refuse = [this](const auto& other) { refuse(other); }});
+                                    .refuse = [this](const auto& other) { other_types_.add(other); }});
 }
 
 void TopicReader::receive(std::span<const std::byte> message) {
@@ -81,46 +79,21 @@ void TopicReader::warn(const std::string& text) const {
                settings_.topic, text);
 }
 
-void TopicReader::refuse(const OtherType& other) {
-  const std::lock_guard lock(mutex_);
-  if (++wrong_type_ == 1) {
-    other_ = other;
-    other_at_ = wall_now();
-  }
-}
-
-/// An error if there are no messages of the right type, else a warning; once, and with the node as
-/// soon as its name is known.
-void TopicReader::report_other_type() const {
-  std::optional<OtherType> other;
-  bool has_messages = false;
-  {
+/// Throws if there are no messages of the right type, else warns.
+void TopicReader::report_other_types() const {
+  while (const auto other = other_types_.take()) {
+    std::string text = other->text;
+    if (!other->type.empty()) {
+      text += settings_.type_is_a_key ? fmt::format("; {}, or another topic",
+                                                    remedy_for_type(other->type, settings_.type))
+                                      : "; write another topic";
+    }
     const std::lock_guard lock(mutex_);
-    other = other_;
-    has_messages = newest_at_ != 0;
+    if (newest_at_ == 0) {
+      throw TransportError(with_code(Code::wrong_message, text));
+    }
+    log::warning("{}", text);
   }
-  if (!other) {
-    return;
-  }
-  const std::string node = other->node ? other->node() : "";
-  if (node.empty() && other->node && wall_now() - other_at_ < kIntroduction) {
-    return;
-  }
-  std::string text = other->text;
-  if (!node.empty()) {
-    text += fmt::format("; node {} publishes it", node);
-  }
-  if (!other->type.empty()) {
-    text += settings_.type_is_a_key ? fmt::format("; {}, or another topic",
-                                                  remedy_for_type(other->type, settings_.type))
-                                    : "; write another topic";
-  }
-  if (!has_messages) {
-    throw TransportError(with_code(Code::wrong_message, text));
-  }
-  log::warning("{}", text);
-  const std::lock_guard lock(mutex_);
-  other_.reset();
 }
 
 /// Packets come, or announcements, and no message.
@@ -175,13 +148,11 @@ void TopicReader::mind_silence(TimeNs now, TimeNs newest_at) {
   }
   bool& told = newest_at == 0 ? told_nothing_came_ : told_nothing_comes_;
   if (told || (newest_at != 0 && subscriber_->latched()) ||
-      now - std::max(started_, newest_at) < kPatience) {
+      now - std::max(started_, newest_at) < kPatience ||
+      session_.has_warned_of_unreachable_node(topic_)) {
     return;
   }
   told = true;
-  if (session_.has_warned_of_unreachable_node(topic_)) {
-    return;
-  }
   if (newest_at == 0 && nothing_arrives_whole()) {
     log::warning(
         "topic '{}' has a publisher, but no message of it arrives whole; give the system a larger "
@@ -209,7 +180,7 @@ void TopicReader::require_sound() const {
       std::rethrow_exception(failure_);
     }
   }
-  report_other_type();
+  report_other_types();
 }
 
 void TopicReader::check(std::optional<TimeNs> simulated) {
@@ -230,11 +201,6 @@ void TopicReader::check(std::optional<TimeNs> simulated) {
     noticed_at_ = now;
   }
   mind_silence(now, noticed_at_);
-}
-
-std::uint64_t TopicReader::wrong_type() const {
-  const std::lock_guard lock(mutex_);
-  return wrong_type_;
 }
 
 }  // namespace spikeloop::topics

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "spikeloop/core/time.hpp"
+#include "spikeloop/topics/other_types.hpp"
 #include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::topics {
@@ -56,13 +57,12 @@ class TopicReader {
   void warn(const std::string& text) const;
   bool has_publishers() const { return subscriber_->has_publishers(); }
   std::uint64_t received() const { return received_; }  ///< messages that `take` took
-  std::uint64_t wrong_type() const;
+  std::uint64_t wrong_type() const { return other_types_.count(); }
   std::optional<std::uint64_t> lost() const { return subscriber_->lost(); }
 
  private:
   void receive(std::span<const std::byte> message);
-  void refuse(const OtherType& other);
-  void report_other_type() const;
+  void report_other_types() const;
   void mind_silence(TimeNs now, TimeNs newest_at);
   bool nothing_arrives_whole();
   void mind_loss();
@@ -75,11 +75,8 @@ class TopicReader {
 
   mutable std::mutex mutex_;  // held for a moment, never across a tick
   TimeNs newest_at_ = 0;      // 0: none has come
-  std::uint64_t wrong_type_ = 0;
-  /// The first other type, until it is reported.
-  mutable std::optional<OtherType> other_;
-  TimeNs other_at_ = 0;
   std::exception_ptr failure_;
+  mutable OtherTypes other_types_;
 
   TimeNs started_ = 0;  // used by the loop only
   TimeNs looked_at_ = 0;

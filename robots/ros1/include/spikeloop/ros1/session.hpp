@@ -41,12 +41,14 @@ class Session : public topics::Session {
                                                   const std::string& message_type,
                                                   std::uint32_t queue = 10,
                                                   bool latched = false) override;
-  /// Without `refuse`, roscpp refuses publishers of another type, in silence.
+  /// roscpp connects no publisher of another type. Such publishers are reported within 0.5 s in the
+  /// first 5 s of a subscription, and later within 4 s.
   std::unique_ptr<topics::RawSubscriber> subscriber(topics::Subscription subscription) override;
   bool has_publishers(const std::string& topic) const override;
+  /// Those of another type: roscpp does not connect them.
+  std::vector<topics::Partner> subscribers(const std::string& topic) const override;
   /// Asks the master and the publishers, which takes milliseconds. A subscriber itself believes so
   /// some time before.
-  std::vector<topics::Partner> subscribers(const std::string& topic) const override;
   bool publishers_know_us(const std::string& topic) const override;
   bool has_warned_of_unreachable_node(const std::string& topic) const override;
 

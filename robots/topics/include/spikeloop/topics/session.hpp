@@ -123,7 +123,7 @@ struct SessionSettings {
   bool unique_name = false;
   RosArguments arguments{};  ///< `__name` wins over `node_name`
   Place place{};             ///< another session's; empty: what this process's environment says
-  bool warn_of_unreachable_nodes = true;  ///< ROS 1
+  bool warn_of_unreachable_nodes = true;  ///< ROS 1: and of other types
 };
 
 /// This process as a node of ROS 1 or ROS 2. Publishers and subscribers must end before it.
@@ -164,16 +164,17 @@ class Session {
   /// now.
   /// @param topic as whole_topic() gives it
   virtual bool has_publishers(const std::string& topic) const = 0;
-  /// Subscribers of a topic, of any type, as far as they are known. Never waits: ROS 1 asks the
-  /// nodes in the background, and the answer is there at a later call.
+  /// Subscribers of a topic, of any type, as far as they are known; over ROS 1 only those of another
+  /// type than the publisher's. Never waits.
   /// @param topic as whole_topic() gives it
   virtual std::vector<Partner> subscribers(const std::string& /*topic*/) const { return {}; }
   /// Whether a topic has publishers, and each of them counts this node among its subscribers: what
   /// they publish from now on comes.
   /// @param topic as whole_topic() gives it
   virtual bool publishers_know_us(const std::string& topic) const = 0;
-  /// True if a warning has named a node of this topic that cannot be connected (ROS 1). Then there
-  /// is no need to warn that the topic brings no messages, or has no subscribers.
+  /// True if a warning has named a node of this topic that cannot be connected, or a wrong address
+  /// of this node, or if that is being examined (ROS 1). Then there is no need to warn that the
+  /// topic brings no messages, or has no subscribers.
   /// @param topic as whole_topic() gives it
   virtual bool has_warned_of_unreachable_node(const std::string& /*topic*/) const { return false; }
 };
