@@ -151,9 +151,9 @@ class ClockPacer : public Pacer {
   void report_other_types() {
     while (const auto other = other_types_.take()) {
       if (newest_ == kNone) {
-        throw TransportError(with_code(
-            Code::wrong_message, "sync: sim_time: {}; stop that node, or write  sync: realtime",
-            other->text));
+        throw TransportError(
+            with_code(Code::wrong_message,
+                      "sync: sim_time: {}; stop that node, or write  sync: realtime", other->text));
       }
       log::warning("{}; its messages are ignored", other->text);
     }

@@ -22,7 +22,7 @@ constexpr const char* kDescription =
     "\n"
     "Command adapters connect to the socket whose path is in SPIKELOOP_GUARD. If one ends and has\n"
     "not stopped its robot, or is silent for 100 ms longer than its watchdog, the guard sends its\n"
-    "zero command five times in 200 ms.";
+    "stop command five times in 200 ms.";
 
 constexpr const char* kExamples =
     "Example: a job that is started manually\n"

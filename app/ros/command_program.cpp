@@ -149,7 +149,7 @@ music::ProgramText command_text(const RosProgram& program) {
       "   \"min\": -1, \"max\": 1}}\n",
       program.name);
   text.notes =
-      "A command that changes by more than the deadband is sent at once. A zero command is sent\n"
+      "A command that changes by more than the deadband is sent at once. A stop command is sent\n"
       "when the run ends for any reason, when ticks are missing, when data are too old (needs the\n"
       "port data_stamp), and instead of a command with NaN or infinity.\n"
       "With SPIKELOOP_GUARD=PATH, spikeloop-guard sends it when this program is killed (SIGKILL)\n"

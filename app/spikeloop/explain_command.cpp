@@ -61,7 +61,18 @@ std::string page() {
       "them.\n\n"
       "    spikeloop explain SL0103         prints one\n"
       "    spikeloop explain --markdown     prints this page\n\n"
-      "Mistakes on a command line have no code; see `--help`.\n";
+      "Mistakes on a command line have no code; see `--help`.\n\n"
+      "`spikeloop run` ends with the exit code\n\n"
+      "| code | meaning |\n"
+      "|---|---|\n"
+      "| 0 | finished |\n"
+      "| 2 | the file or an option is invalid |\n"
+      "| 3 | a program, the robot or the ROS master is missing, stalls or ends too early |\n"
+      "| 4 | a file cannot be read or written |\n"
+      "| 5 | a node failed |\n"
+      "| 7 | messages arrived, and none of them was usable |\n"
+      "| 128 + N | stopped by signal N, or a program was killed by it: 130 is Ctrl-C |\n"
+      "| other | exit code of the first program that failed |\n";
   for (const Explanation& each : explanations()) {
     text += fmt::format("\n## {}: {}\n\n{}", code_text(each.code), each.title, body(each));
   }

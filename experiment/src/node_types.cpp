@@ -182,7 +182,7 @@ NodeDescription ros_command() {
           "Shortest time between two changes of the command; not given: one tick, at least 10 ms; "
           "in lockstep 1 ms"),
       number("watchdog", "s", "100 ms", 1e-3,
-             "Wall time without a tick after which a zero command is sent; not given: 3 ticks, at "
+             "Wall time without a tick after which a stop command is sent; not given: 3 ticks, at "
              "least 100 ms"),
       number("max_age", "s", "1 s", 0,
              "Age of the data above which the robot is stopped; 0: never"),

@@ -263,15 +263,14 @@ void check_spike_rates(const Experiment& experiment, Faults& faults) {
     const double rate_hz = node.parameters.number(kKey);
     const double spikes = output.width * rate_hz * to_seconds(experiment.tick);
     if (spikes > kMostSpikes) {
-      faults.add(
-          node.parameters.where(kKey),
-          with_code(Code::out_of_bounds,
-                    "node '{}': key '{}': {} channels of {} Hz send up to {} spikes "
-                    "per tick of {}, which need {} GB; at most {} spikes: write a "
-                    "lower {}, fewer channels, or a shorter tick",
-                    node.name, kKey, output.width, rate_hz, format_rounded(spikes, 3),
-                    format_time(experiment.tick), format_rounded(spikes * sizeof(Spike) / 1e9, 3),
-                    kMostSpikes, kKey));
+      faults.add(node.parameters.where(kKey),
+                 with_code(Code::out_of_bounds,
+                           "node '{}': key '{}': {} channels of {} Hz send up to {} spikes "
+                           "per tick of {}, which need {} GB; at most {} spikes: write a "
+                           "lower {}, fewer channels, or a shorter tick",
+                           node.name, kKey, output.width, rate_hz, format_rounded(spikes, 3),
+                           format_time(experiment.tick),
+                           format_rounded(spikes * sizeof(Spike) / 1e9, 3), kMostSpikes, kKey));
     }
   }
 }

@@ -46,7 +46,7 @@ std::string Publisher::misfit() const {
   for (const auto& subscriber :
        node_->get_subscriptions_info_by_topic(publisher_->get_topic_name())) {
     if (subscriber.qos_profile().durability() == rclcpp::DurabilityPolicy::TransientLocal) {
-      return "durability transient local, and this one is volatile";
+      return "durability transient local, but Spikeloop's publisher is volatile";
     }
   }
   return {};

@@ -230,7 +230,7 @@ TEST_F(PatientGuardTest, guard_and_adapter_killed_at_once) {
   const auto outcome = child_->wait();
   EXPECT_EQ(outcome.exit_code, 128 + SIGKILL);
   EXPECT_THAT(outcome.err,
-              HasSubstr("(Killed); no zero command could be sent to the robot: stop it "
+              HasSubstr("(Killed); no stop command could be sent to the robot: stop it "
                         "by hand\n"));
 }
 

@@ -187,10 +187,11 @@ TEST_P(MisfitTest, is_reported_to_the_publisher) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Policies, MisfitTest,
-    testing::Values(Misfit{"latched", "durability transient local, and this one is volatile"},
-                    Misfit{"deadline", "a deadline of 100 ms, and this one has none"},
-                    Misfit{"liveliness", "liveliness by topic, and this one's is automatic"},
-                    Misfit{"lease", "a liveliness lease of 1 s, and this one has none"}),
+    testing::Values(
+        Misfit{"latched", "durability transient local, but Spikeloop's publisher is volatile"},
+        Misfit{"deadline", "a deadline of 100 ms, but Spikeloop's publisher has none"},
+        Misfit{"liveliness", "liveliness by topic, but that of Spikeloop's publisher is automatic"},
+        Misfit{"lease", "a liveliness lease of 1 s, but Spikeloop's publisher has none"}),
     [](const auto& test) { return std::string(test.param.mode); });
 
 TEST_F(FastDdsTest, brings_a_scan_that_was_latched_before) {

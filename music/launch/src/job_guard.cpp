@@ -163,7 +163,7 @@ void JobRun::allow_for_pause() {
 
 std::string JobRun::unstopped_robot() const {
   const bool any = supervision_ && supervision_->robots() > stopped_by_guard_;
-  return any ? "; no zero command could be sent to the robot: stop it by hand" : "";
+  return any ? "; no stop command could be sent to the robot: stop it by hand" : "";
 }
 
 }  // namespace spikeloop::launch

@@ -259,9 +259,10 @@ std::optional<status::NoCommand> JobState::find_no_command() const {
   for (const std::string& label : order_) {
     const Process& process = processes_.at(label);
     // A section with one endpoint has its label; the nodes of an experiment have their own names.
-    const bool own_names = process.program == "spikeloop-fused";
+    const bool has_node_names = process.program == "spikeloop-fused";
     for (const auto& [name, value] : process.counters.items()) {
-      counters[own_names ? name : label + name.substr(std::min(name.rfind('.'), name.size()))] =
+      counters[has_node_names ? name
+                              : label + name.substr(std::min(name.rfind('.'), name.size()))] =
           value;
     }
   }

@@ -38,8 +38,9 @@ std::string list_of(const Names& names) {
                      names.size() > shown ? ", ..." : "");
 }
 
-/// False: the message is to be left out.
-bool settle(const SensorField& field, double& value, Held& held) {
+/// Scales and limits a value, or applies the rule of a field that is not a number.
+/// @return false if the message is to be left out
+bool convert_value(const SensorField& field, double& value, Held& held) {
   if (!std::isnan(value)) {
     value = std::clamp(field.scale * value + field.offset, field.minimum, field.maximum);
     return true;
@@ -246,7 +247,7 @@ bool FieldReading::append(const Entry& entry, ReadValues& values) const {
   for (std::size_t i = 0; i < width; ++i) {
     double value = i < brought ? entry.numbers[i] : kNan;
     Held held = i < brought ? entry.held[i] : Held::missing;
-    if (held == Held::no && !settle(entry.field, value, held)) {
+    if (held == Held::no && !convert_value(entry.field, value, held)) {
       return false;
     }
     values.numbers.push_back(value);

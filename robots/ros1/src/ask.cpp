@@ -186,8 +186,7 @@ class Question {
         return false;
       }
       char buffer[1024];
-      const auto count =
-          ::recv(socket_, buffer, std::min(sizeof buffer, size - bytes.size()), 0);
+      const auto count = ::recv(socket_, buffer, std::min(sizeof buffer, size - bytes.size()), 0);
       if (count <= 0) {
         return fail(Fault::Kind::other_program, "it closes the connection");
       }

@@ -169,7 +169,8 @@ struct ReachabilityWatch::Impl {
     }
     Address asked = *address;
     auto fault = ask_for_pid(asked, limit());
-    if (!fault && (link.is_publisher ? has_other_type(link, asked, fault) : takes_other_type(link))) {
+    if (!fault &&
+        (link.is_publisher ? has_other_type(link, asked, fault) : takes_other_type(link))) {
       return true;
     }
     if (since < kConnecting) {

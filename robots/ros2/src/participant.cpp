@@ -120,9 +120,9 @@ dds_entity_t created(const char* what, const discovery::Discovery& where,
   const std::string said = CycloneLog::instance().release();
   if (entity < 0 && discovery::free_participants(where) == 0) {
     throw TransportError(with_code(Code::resource,
-                                   "domain {} of ROS 2 has no room: all of its {} participants on "
-                                   "this machine exist; end other "
-                                   "programs of the domain, or set another ROS_DOMAIN_ID",
+                                   "domain {} of ROS 2 has reached its limit of {} participants on "
+                                   "this machine; end other programs of the domain, or set another "
+                                   "ROS_DOMAIN_ID",
                                    where.domain, discovery::most_participants(where.domain)));
   }
   if (entity < 0) {

@@ -102,32 +102,35 @@ Requests requests_of(const dds_qos_t* qos) {
   Requests requests;
   dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE;
   if (dds_qget_durability(qos, &durability) && durability != DDS_DURABILITY_VOLATILE) {
-    requests.late = "durability transient local, and this one is volatile";
+    requests.late = "durability transient local, but Spikeloop's publisher is volatile";
   }
   std::vector<std::string> others;
   if (durability > DDS_DURABILITY_TRANSIENT_LOCAL) {
     requests.late.clear();
-    others.emplace_back("durability transient or persistent, and this one has none of them");
+    others.emplace_back(
+        "durability transient or persistent, but Spikeloop's publisher is volatile or transient "
+        "local");
   }
   dds_duration_t time = DDS_INFINITY;
   if (dds_qget_deadline(qos, &time) && time != DDS_INFINITY) {
-    others.push_back(fmt::format("a deadline of {}, and this one has none", format_time(time)));
+    others.push_back(
+        fmt::format("a deadline of {}, but Spikeloop's publisher has none", format_time(time)));
   }
   dds_liveliness_kind_t liveliness = DDS_LIVELINESS_AUTOMATIC;
   if (dds_qget_liveliness(qos, &liveliness, &time)) {
     if (liveliness != DDS_LIVELINESS_AUTOMATIC) {
-      others.emplace_back("liveliness by topic, and this one's is automatic");
+      others.emplace_back("liveliness by topic, but that of Spikeloop's publisher is automatic");
     }
     if (time != DDS_INFINITY) {
-      others.push_back(
-          fmt::format("a liveliness lease of {}, and this one has none", format_time(time)));
+      others.push_back(fmt::format("a liveliness lease of {}, but Spikeloop's publisher has none",
+                                   format_time(time)));
     }
   }
   if (is_exclusive(qos)) {
-    others.emplace_back("exclusive ownership, and this one's is shared");
+    others.emplace_back("exclusive ownership, but that of Spikeloop's publisher is shared");
   }
   if (lacks_xcdr1(qos)) {
-    others.emplace_back("the encoding XCDR2, and this one's is XCDR1");
+    others.emplace_back("the encoding XCDR2, but Spikeloop's publisher sends XCDR1");
   }
   requests.other = list(others);
   return requests;
@@ -136,10 +139,10 @@ Requests requests_of(const dds_qos_t* qos) {
 std::string offer_misfit(const dds_qos_t* qos) {
   std::vector<std::string> parts;
   if (is_exclusive(qos)) {
-    parts.emplace_back("exclusive ownership, and a node of ROS 2 takes shared ownership");
+    parts.emplace_back("exclusive ownership, but ROS 2 uses shared ownership");
   }
   if (lacks_xcdr1(qos)) {
-    parts.emplace_back("the encoding XCDR2, and a node of ROS 2 takes XCDR1");
+    parts.emplace_back("the encoding XCDR2, but ROS 2 uses XCDR1");
   }
   return list(parts);
 }

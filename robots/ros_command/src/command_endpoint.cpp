@@ -143,7 +143,7 @@ void CommandEndpoint::finish() {
   publisher_.drain();
   if (guard_) {
     guard_->done();
-    // A session that has ended sends no zero command; then only the guard can stop the robot.
+    // A session that has ended sends no stop command; then only the guard can stop the robot.
     if (session_.alive()) {
       supervised_->release();
     }

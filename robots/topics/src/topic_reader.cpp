@@ -40,13 +40,14 @@ TopicReader::TopicReader(Session& session, const TopicReaderSettings& settings, 
     : session_(session), settings_(settings), take_(std::move(take)) {
   check_topic(session.dialect(), settings_.topic);
   topic_ = session.whole_topic(settings_.topic);
-  subscriber_ = session.subscriber({.topic = settings_.topic,
-                                    .message_type = settings_.type,
-                                    .queue = settings_.queue,
-                                    .reliable = settings_.reliable,
-                                    .latched = settings_.takes_latched(),
-                                    .take = [this](auto message) { receive(message); },
-                                    .refuse = [this](const auto& other) { other_types_.add(other); }});
+  subscriber_ =
+      session.subscriber({.topic = settings_.topic,
+                          .message_type = settings_.type,
+                          .queue = settings_.queue,
+                          .reliable = settings_.reliable,
+                          .latched = settings_.takes_latched(),
+                          .take = [this](auto message) { receive(message); },
+                          .refuse = [this](const auto& other) { other_types_.add(other); }});
 }
 
 void TopicReader::receive(std::span<const std::byte> message) {

@@ -39,7 +39,7 @@ class Link {
   void set_stop(std::vector<std::byte> message);
   /// This process cannot stop the robot any more: the guard stops it at once.
   void abandon();
-  /// Tells the guard to stop watching. Call after the last zero command.
+  /// Tells the guard to stop watching. Call after the last stop command.
   void done();
 
  private:

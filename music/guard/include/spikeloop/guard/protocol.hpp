@@ -7,7 +7,7 @@
 // to the guard; then both send "beat" until the adapter is "done". The adapter sends "stop" when
 // the message changes that stops the robot, because a stop holds positions. A guard sends to the
 // launcher that started it "listening", then "beat", "log" with text for the user, and "stopped"
-// after the zero commands to a robot whose adapter had died.
+// after the stop commands to a robot whose adapter had died.
 #pragma once
 
 #include <cstddef>

@@ -13,7 +13,7 @@ namespace spikeloop::command {
 class Watch {
  public:
   struct Actions {
-    std::function<void(StopReason)> stop;    ///< with `silent` or `continued`: zero command, now
+    std::function<void(StopReason)> stop;    ///< with `silent` or `continued`: stop command, now
     std::function<TimeNs(TimeNs now)> poll;  ///< sends what is due; returns when to call again
     std::function<void()> interrupted{};     ///< SIGINT has come
     /// Sends a beat to other processes; returns when to call again. May be empty.

@@ -29,7 +29,8 @@ class RawPublisher {
   virtual void publish(std::span<const std::byte> message) = 0;
   virtual bool has_subscribers() const = 0;
   /// Quality of service that subscribers of this topic request and it does not offer, so that ROS 2
-  /// does not connect them ("durability transient local, and this one is volatile"). Empty if all
+  /// does not connect them ("durability transient local, but
+  /// Spikeloop's publisher is volatile"). Empty if all
   /// are connected, and over ROS 1.
   virtual std::string misfit() const { return {}; }
   /// Returns when the system has what was published, and delivers it even when this process dies.
@@ -164,8 +165,8 @@ class Session {
   /// now.
   /// @param topic as whole_topic() gives it
   virtual bool has_publishers(const std::string& topic) const = 0;
-  /// Subscribers of a topic, of any type, as far as they are known; over ROS 1 only those of another
-  /// type than the publisher's. Never waits.
+  /// Subscribers of a topic, of any type, as far as they are known; over ROS 1 only those of
+  /// another type than the publisher's. Never waits.
   /// @param topic as whole_topic() gives it
   virtual std::vector<Partner> subscribers(const std::string& /*topic*/) const { return {}; }
   /// Whether a topic has publishers, and each of them counts this node among its subscribers: what
