@@ -199,37 +199,66 @@ std::shared_ptr<const bag::Reader> open_bag(const Experiment& experiment, Faults
   return reader;
 }
 
+namespace {
+
+/// Looks for the first message with a value. 0: the topic has no message.
+/// @throws ConfigurationError as count_channels; UnusableMessages if there is no such message
+std::uint32_t recorded_width(const Node& sensor, const bag::Reader& reader) {
+  bag::Stream stream = reader.stream(sensor.parameters.text("topic"), sensor.name);
+  std::uint64_t count = 0;
+  std::uint64_t malformed = 0;
+  std::string reason;
+  for (auto message = stream.next(); message; message = stream.next(), ++count) {
+    try {
+      const std::uint32_t width = count_channels(sensor, reader.dialect(), message->bytes);
+      if (width != 0) {
+        return width;
+      }
+    } catch (const TransportError& error) {
+      reason = malformed++ == 0 ? error.what() : reason;
+    }
+  }
+  if (count == 0) {
+    return 0;
+  }
+  const std::string counters = malformed == count ? fmt::format("malformed: {}", malformed)
+                               : malformed == 0   ? fmt::format("without_reading: {}", count)
+                                                : fmt::format("malformed: {}, without_reading: {}",
+                                                              malformed, count - malformed);
+  throw UnusableMessages(
+      sensor.where,
+      fmt::format("none of the {} messages of '{}' was usable ({}): topic '{}': a {} {}", count,
+                  sensor.name, counters, sensor.parameters.text("topic"),
+                  sensor.parameters.text("message"),
+                  malformed == 0 ? "brought no reading" : "could not be read: " + reason));
+}
+
+}  // namespace
+
 SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader) {
   return [reader = std::move(reader)](const Node& sensor) -> std::optional<std::uint32_t> {
-    try {
-      check_topic(sensor, *reader);
-    } catch (const ConfigurationError&) {
-      return 0;  // told by check_bag()
-    }
-    bag::Stream stream = reader->stream(sensor.parameters.text("topic"), sensor.name);
-    const auto first = stream.next();
-    if (!first) {
-      return 0;
-    }
-    return sensor.kind == kRosEventSensor
-               ? count_channels(sensor.parameters, reader->dialect(), first->bytes)
-               : count_values(sensor.parameters, reader->dialect(), first->bytes);
+    check_topic(sensor, *reader);
+    return recorded_width(sensor, *reader);
   };
 }
 
 bool length_changes(const bag::Reader& reader, const Node& sensor) {
   bag::Stream stream = reader.stream(sensor.parameters.text("topic"), sensor.name);
-  std::optional<std::uint32_t> first;
+  std::uint32_t first = 0;
   for (int i = 0; i < kComparedMessages; ++i) {
     const auto message = stream.next();
     if (!message) {
       break;
     }
-    const std::uint32_t values = count_values(sensor.parameters, reader.dialect(), message->bytes);
-    if (first.value_or(values) != values) {
+    std::uint32_t width = 0;
+    try {
+      width = count_channels(sensor, reader.dialect(), message->bytes);
+    } catch (const TransportError&) {  // the run leaves it out
+    }
+    if (first != 0 && width != 0 && width != first) {
       return true;
     }
-    first = values;
+    first = first == 0 ? width : first;
   }
   return false;
 }

@@ -36,27 +36,25 @@ topics::EventSensorSettings event_sensor_settings(const Parameters& parameters) 
           .latency = from_seconds(parameters.number("latency"))};
 }
 
-std::uint32_t count_channels(const Parameters& parameters, messages::Dialect ros,
+std::uint32_t count_channels(const Node& sensor, messages::Dialect ros,
                              std::span<const std::byte> message) {
-  try {
-    const std::uint64_t channels =
-        messages::event_channels(event_settings(parameters), ros, message);
+  const Parameters& keys = sensor.parameters;
+  if (sensor.kind == kRosEventSensor) {
+    const std::uint64_t channels = messages::event_channels(event_settings(keys), ros, message);
     return channels <= std::numeric_limits<std::uint32_t>::max()
                ? static_cast<std::uint32_t>(channels)
                : 0;
-  } catch (const Error&) {
-    return 0;  // told elsewhere
   }
-}
-
-std::uint32_t count_values(const Parameters& parameters, messages::Dialect ros,
-                           std::span<const std::byte> message) {
+  const std::string& type = keys.text("message");
+  const messages::Catalog& catalog = messages::Catalog::for_type(ros, type);
+  const messages::SensorRule rule = sensing::sensor_rule(keys);
+  located_at(sensing::place_of_rule(keys),
+             [&] { return messages::SensorConversion(catalog, type, rule, 0, false); });
   try {
-    const std::string& type = parameters.text("message");
-    return messages::SensorConversion::count(messages::Catalog::for_type(ros, type), type,
-                                             sensing::sensor_rule(parameters), message);
-  } catch (const Error&) {
-    return 0;  // told elsewhere
+    return messages::SensorConversion::count(catalog, type, rule, message);
+  } catch (const ConfigurationError& error) {
+    throw ConfigurationError(sensor.where, fmt::format("node '{}': topic '{}': {}", sensor.name,
+                                                       keys.text("topic"), error.what()));
   }
 }
 

@@ -99,7 +99,7 @@ void resolve_layout(const Parameters& keys, bool whole, Experiment& experiment, 
 /// and columns of its table, by the robot's message. Returns whether there was one; then `graph`
 /// has to be planned again.
 bool settle_by_nodes(const GraphPlan& plan, const Trial& trial, GraphDescription& graph,
-                     Experiment& experiment);
+                     Experiment& experiment, Faults& faults);
 
 /// The key `robot`, and what is known of that robot.
 RobotView read_robot(const ExperimentFile& file, const Overrides& overrides,
@@ -114,7 +114,7 @@ void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
                    Experiment& experiment, Faults& faults);
 /// The bag in the robot's place; null: there is none, or it cannot be read.
 std::shared_ptr<const bag::Reader> open_bag(const Experiment& experiment, Faults& faults);
-/// By the first message that a sensor would take.
+/// By the first message that has a value.
 SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader);
 /// Compares the first messages of a sensor, see Trial.
 bool length_changes(const bag::Reader& reader, const Node& sensor);

@@ -64,7 +64,7 @@ std::uint32_t known_width(const Node& node, Direction direction, const Trial& tr
 }  // namespace
 
 bool settle_by_nodes(const GraphPlan& plan, const Trial& trial, GraphDescription& graph,
-                     Experiment& experiment) {
+                     Experiment& experiment, Faults& faults) {
   std::map<std::string_view, Node*> nodes;
   for (Node& node : experiment.nodes) {
     nodes[node.name] = &node;
@@ -75,7 +75,10 @@ bool settle_by_nodes(const GraphPlan& plan, const Trial& trial, GraphDescription
     Node& node = *nodes.at(plan.elements[i].name);
     for (std::size_t p = 0; p < ports.size(); ++p) {
       const bool open = ports[p].width == 0 && ports[p].rule.kind == WidthRule::Kind::free;
-      const std::uint32_t width = open ? known_width(node, ports[p].direction, trial) : 0;
+      std::uint32_t width = 0;
+      if (open) {
+        faults.attempt(node.where, [&] { width = known_width(node, ports[p].direction, trial); });
+      }
       if (width != 0) {
         auto own = std::make_shared<NodeClass>(*node.node_class);
         own->description.ports[p].width = WidthRule::fixed(width);

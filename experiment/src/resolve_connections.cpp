@@ -155,7 +155,11 @@ bool may_differ(const Node& node, const Trial& trial) {
 }
 
 void check_against_robot(const Node& node, const Experiment& experiment, const Trial& trial) {
-  const std::uint32_t values = trial.sensor_width ? trial.sensor_width(node).value_or(0) : 0;
+  std::uint32_t values = 0;
+  try {
+    values = trial.sensor_width ? trial.sensor_width(node).value_or(0) : 0;
+  } catch (const Error&) {  // the run reports it
+  }
   for (const Connection& connection : experiment.connections) {
     if (node_of(connection.from) == node.name && values != 0 && values != connection.width &&
         !may_differ(node, trial)) {
@@ -186,13 +190,7 @@ void check_events(const Node& node, const Experiment& experiment) {
 }
 
 /// A sensor that nothing takes, whose message does not say how many channels it has either.
-[[noreturn]] void refuse_width(const Node& node, const Experiment& experiment) {
-  if (node.kind == kRosSensor) {
-    constexpr std::uint32_t kAnyWidth = 1;
-    const std::string& type = node.parameters.text("message");
-    messages::SensorConversion(messages::Catalog::for_type(experiment.dialect, type), type,
-                               sensing::sensor_rule(node.parameters), kAnyWidth, false);
-  }
+[[noreturn]] void refuse_width(const Node& node) {
   throw ConfigurationError(
       node.where,
       with_code(Code::unknown_width,
@@ -205,7 +203,7 @@ void check_events(const Node& node, const Experiment& experiment) {
 void check_node(const Node& node, const Experiment& experiment, const Trial& trial) {
   if (takes_messages(node.kind) && experiment.width(node.name, "out") == 0) {
     if (trial.sensor_width) {  // else the robot is faulty, which has been told
-      refuse_width(node, experiment);
+      refuse_width(node);
     }
   } else if (node.kind == kRosSensor) {
     check_against_robot(node, experiment, trial);
@@ -229,6 +227,11 @@ void check_node(const Node& node, const Experiment& experiment, const Trial& tri
                     node.name));
     }
   }
+}
+
+bool is_unknown_width(const ConfigurationError& error) {
+  return std::string_view(error.what())
+      .ends_with(fmt::format("[{}]", code_text(Code::unknown_width)));
 }
 
 /// Makes the node once: it says whether its parameters go with its widths.
@@ -257,19 +260,24 @@ void resolve_connections(const ExperimentFile& file, const Trial& trial, Experim
   const std::size_t before = faults.count();
   GraphDescription graph = as_nodes(file, experiment, faults);
   GraphPlan planned;
+  bool has_unknown_widths = false;
   faults.attempt(file.where_connections, [&] {
     std::vector<ConfigurationError> wrong;
     const ErrorHandler keep = [&](const ConfigurationError& error) { wrong.push_back(error); };
     planned = plan(graph, keep);
-    if (settle_by_nodes(planned, trial, graph, experiment)) {
+    if (settle_by_nodes(planned, trial, graph, experiment, faults)) {
       wrong.clear();
       planned = plan(graph, keep);
+    }
+    if (experiment.robot && faults.count() != 0) {
+      // The fault of a sensor, which has been reported.
+      has_unknown_widths = std::erase_if(wrong, is_unknown_width) > 0;
     }
     for (const ConfigurationError& error : wrong) {
       faults.attempt(file.where_connections, [&] { throw error; });
     }
   });
-  if (faults.count() != before) {
+  if (has_unknown_widths || faults.count() != before) {
     return;
   }
   take_connections(planned, file, graph, experiment);

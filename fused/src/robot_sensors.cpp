@@ -85,7 +85,7 @@ experiment::RobotView look_at_robot(const experiment::Experiment& experiment) {
       return std::nullopt;
     }
     check_joints(sensor, ros, message->second, joints);
-    return experiment::count_values(keys, ros, message->second);
+    return experiment::count_channels(sensor, ros, message->second);
   };
   return view;
 }

@@ -307,7 +307,7 @@ struct Run::Impl {
     }
     const auto no_command = status::find_no_command(result.summary["counters"]);
     if (no_command && no_command->nothing_usable) {
-      result.exit_code = status::kNothingUsable;
+      result.exit_code = UnusableMessages::kExitCode;
       result.reason = no_command->reason;
     } else if (no_command) {
       result.remark = no_command->reason;

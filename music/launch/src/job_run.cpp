@@ -278,7 +278,7 @@ void JobRun::supervise() {
 void JobRun::judge_commands() {
   const auto no_command = state_.find_no_command();
   if (no_command && no_command->nothing_usable) {
-    fail(status::kNothingUsable, no_command->reason);
+    fail(UnusableMessages::kExitCode, no_command->reason);
   } else if (no_command) {
     remark_ = no_command->reason;
   }

@@ -57,7 +57,7 @@ std::vector<SensorField> usual_fields(const std::string& type, std::uint32_t wid
     std::vector<SensorField> fields{{.path = "pose.pose.position.x"},
                                     {.path = "pose.pose.position.y"},
                                     {.path = "pose.pose.position.z"}};
-    fields.resize(std::min<std::size_t>(fields.size(), width));
+    fields.resize(width == 0 ? fields.size() : std::min<std::size_t>(fields.size(), width));
     return fields;
   }
   throw ConfigurationError(

@@ -80,7 +80,7 @@ class Reading {
   std::vector<std::string> warnings_;
 };
 
-/// @param width of the port: an Odometry gives as many values as it has
+/// @param width of the port: an Odometry gives as many values as it has. 0: not known
 /// @throws ConfigurationError as SensorConversion.
 std::unique_ptr<Reading> make_reading(const Catalog& catalog, const std::string& type,
                                       const SensorRule& rule, std::uint32_t width);

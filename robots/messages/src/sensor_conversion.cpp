@@ -42,6 +42,9 @@ SensorConversion::SensorConversion(SensorConversion&&) noexcept = default;
 std::uint32_t SensorConversion::count(const Catalog& catalog, std::string_view type,
                                       const SensorRule& rule, std::span<const std::byte> message) {
   const auto reading = make_reading(catalog, catalog.full_name(type), rule, 0);
+  if (const auto known = reading->width()) {
+    return static_cast<std::uint32_t>(*known);
+  }
   reading->take(message);
   return static_cast<std::uint32_t>(reading->values().numbers.size());
 }

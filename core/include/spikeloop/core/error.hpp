@@ -66,6 +66,14 @@ class FileError : public Error {
   int exit_code() const override { return kExitCode; }
 };
 
+/// Messages arrived, and none of them was usable.
+class UnusableMessages : public Error {
+ public:
+  static constexpr int kExitCode = 7;
+  using Error::Error;
+  int exit_code() const override { return kExitCode; }
+};
+
 /// Code that a file names is not run (`spikeloop check --no-code`): what depends on it is not
 /// checked. No fault of the file's.
 class NotRun : public Error {

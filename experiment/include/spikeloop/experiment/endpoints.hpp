@@ -29,13 +29,12 @@ bool takes_picture(const Parameters& parameters);
 messages::EventSettings event_settings(const Parameters& parameters);
 /// A ros_event_sensor; port and place are left to the caller. @throws as event_settings.
 topics::EventSensorSettings event_sensor_settings(const Parameters& parameters);
-/// Channels that the camera of a message takes of a ros_event_sensor; 0: it cannot be read.
-std::uint32_t count_channels(const Parameters& parameters, messages::Dialect ros,
+/// Number of channels that a message of this ROS has for a ros_sensor or ros_event_sensor. 0: the
+/// message has no value.
+/// @throws ConfigurationError, as a run: keys that do not fit the message type or the message;
+/// TransportError if the message cannot be read
+std::uint32_t count_channels(const Node& sensor, messages::Dialect ros,
                              std::span<const std::byte> message);
-/// Number of values that a message of this ROS gives a ros_sensor; 0: as many as are asked for, or
-/// it cannot be read.
-std::uint32_t count_values(const Parameters& parameters, messages::Dialect ros,
-                           std::span<const std::byte> message);
 
 /// The whole name of a message type that has a definition, or the whole path of its own.
 /// @throws ConfigurationError for one that this ROS does not have.

@@ -7,9 +7,6 @@
 
 namespace spikeloop::status {
 
-/// Exit code of a run that received messages and could use none of them.
-inline constexpr int kNothingUsable = 7;
-
 struct NoCommand {
   bool nothing_usable = false;  ///< messages arrived, and none of them had a reading
   std::string reason;           ///< "no command was sent: ..."

@@ -57,7 +57,8 @@ class SensorConversion {
   ~SensorConversion();
   SensorConversion(SensorConversion&&) noexcept;
 
-  /// Number of values that this message has for a sensor; 0: as many as the port has channels.
+  /// Number of values that this message has for a sensor. 0: it has no value, and the number
+  /// differs from message to message.
   /// @throws ConfigurationError as the constructor; TransportError when it cannot be read.
   static std::uint32_t count(const Catalog& catalog, std::string_view type, const SensorRule& rule,
                              std::span<const std::byte> message);
