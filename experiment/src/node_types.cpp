@@ -54,7 +54,7 @@ NodeDescription ros_sensor() {
                                 "sensor_msgs/LaserScan")};
   std::ranges::move(sensing::sensor_parameters(), std::back_inserter(sensor.parameters));
   sensor.parameters.push_back(
-      text("initial", "none", "Value of every channel before the first message; none: no value"));
+      text("initial", "none", "Value of every channel before its first valid value; none: no value"));
   sensor.parameters.push_back(
       number("timeout", "s", "1 s", 0,
              "Time without a message with a valid reading after which the robot is stopped; 0: "

@@ -188,7 +188,8 @@ TEST_P(ScanReadings, a_direction_without_a_beam_keeps_its_value) {
     c.convert(message(quarter));
   }
   EXPECT_EQ(c.take_warning(),
-            "the first 20 messages had no 'beam at 180 deg', so channel 3 has no value");
+            "the first 20 messages had no 'beam at 180 deg', so channel 3 has no value; set the "
+            "sensor's key 'initial' to a value for them, for example -1, an obstacle");
 }
 
 TEST_P(ScanReadings, channel_0_is_the_rightmost_beam) {

@@ -17,6 +17,7 @@ using spikeloop::test::Fault;
 using namespace spikeloop::messages;
 using spikeloop::test::error_of;
 using testing::ElementsAre;
+using testing::EndsWith;
 using testing::IsNan;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -88,13 +89,21 @@ TEST(SensorConversion, shorter_scans_leave_the_rest_as_it_was) {
   EXPECT_TRUE(c.convert(scan({2.5})));
   EXPECT_THAT(c.channels(), ElementsAre(0.0, 0.0, 0.5));
   EXPECT_THAT(c.take_warning(),
-              Fault("a sensor_msgs/LaserScan brought 1 values ... 3 channels ... 'beams' ... [1] "
-                    "... if no message has more"));
+              EndsWith("set the sensor's key 'beams' to 3 to resample scans by angle"))
+      << "[1] would be too few: a message had more";
   EXPECT_EQ(c.counts().short_messages, 1u);
   EXPECT_TRUE(c.convert(scan({1.5, 1.5, 1.5, 1.5})));
   EXPECT_THAT(c.channels(), ElementsAre(-0.5, -0.5, -0.5));
   EXPECT_EQ(c.take_warning(), "") << "one warning is enough";
   EXPECT_EQ(c.counts().cropped, 1u);
+}
+
+TEST(SensorConversion, the_first_shorter_scan_names_its_width) {
+  auto c = conversion("LaserScan", 3);
+  EXPECT_TRUE(c.convert(scan({2.5})));
+  EXPECT_THAT(c.take_warning(),
+              Fault("a sensor_msgs/LaserScan brought 1 values ... 3 channels ... 'beams' ... [1] "
+                    "... if no message has more"));
 }
 
 TEST(SensorConversion, fields_of_any_length_keep_their_channels) {

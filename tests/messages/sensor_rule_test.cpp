@@ -8,9 +8,8 @@
 #include <cstring>
 #include <limits>
 
-#include "spikeloop/core/error.hpp"
-#include "spikeloop/messages/message_writer.hpp"
 #include "spikeloop/messages/sensor_conversion.hpp"
+#include "tests/messages/sensor_rules.hpp"
 #include "tests/support/fault.hpp"
 
 namespace sensor_rule_test {
@@ -26,49 +25,6 @@ using testing::IsNan;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 const double kNan = std::nan("");
-
-/// A field of a message under test.
-struct Field {
-  std::string path;
-  std::vector<double> numbers{};
-  std::string text{};
-};
-
-class SensorRules : public testing::TestWithParam<Dialect> {
- protected:
-  const Catalog& catalog() const { return Catalog::builtin(GetParam()); }
-
-  std::vector<std::byte> message(std::string_view type, const std::vector<Field>& fields) const {
-    std::vector<std::string> paths;
-    std::vector<FieldValue> values;
-    for (const Field& field : fields) {
-      paths.push_back(field.path);
-      values.push_back({field.numbers, field.text});
-    }
-    std::vector<std::byte> bytes;
-    MessageWriter(catalog(), type, paths).write(values, bytes);
-    return bytes;
-  }
-
-  std::vector<std::byte> scan(const std::vector<double>& ranges) const {
-    return message("sensor_msgs/LaserScan", {{"header.frame_id", {}, "lidar"}, {"ranges", ranges}});
-  }
-
-  SensorConversion conversion(std::string_view type, const SensorRule& rule, std::uint32_t width,
-                              bool strict = false) const {
-    return {catalog(), type, rule, width, strict};
-  }
-
-  std::string error_of(std::string_view type, const SensorRule& rule,
-                       std::uint32_t width = 1) const {
-    try {
-      conversion(type, rule, width, true);
-    } catch (const spikeloop::ConfigurationError& error) {
-      return error.what();
-    }
-    return "no error";
-  }
-};
 
 INSTANTIATE_TEST_SUITE_P(Dialects, SensorRules, testing::Values(Dialect::ros1, Dialect::ros2),
                          [](const auto& dialect) {
@@ -154,7 +110,7 @@ TEST_P(SensorRules, elements_that_no_message_has_are_told) {
     c.convert(joints("arm"));
     EXPECT_EQ(c.take_warning(),
               i == 19 ? "the first 20 messages had no 'position[name=hand]', so channel 1 has no "
-                        "value"
+                        "value; set the sensor's key 'initial' to a value for them, for example 0"
                       : "")
         << i;
     whole.convert(joints(i % 2 == 0 ? "arm" : "hand"));
@@ -251,6 +207,13 @@ TEST_P(SensorRules, each_name_keeps_its_channel) {
   const auto take = [&](const std::vector<std::pair<std::string, double>>& positions) {
     EXPECT_TRUE(c.convert(message(type, joints(positions))));
   };
+  const auto take_names = [&](SensorConversion& into, const std::vector<std::string>& names) {
+    std::vector<std::pair<std::string, double>> positions;
+    for (const std::string& name : names) {
+      positions.emplace_back(name, 1);
+    }
+    into.convert(message(type, joints(positions)));
+  };
   take({{"a", 1}, {"b", 2}, {"c", 3}});
   EXPECT_THAT(c.channels(), ElementsAre(1, 2, 3));
   EXPECT_EQ(c.take_warning(), "");
@@ -264,6 +227,20 @@ TEST_P(SensorRules, each_name_keeps_its_channel) {
   EXPECT_THAT(c.channels(), ElementsAre(10, 200, 30));
   take({{"d", 7}, {"c", 300}});
   EXPECT_THAT(c.channels(), ElementsAre(10, 200, 300));
+
+  EXPECT_THAT(warnings_of(c), ElementsAre(Fault("... brought 4 values ... 3 channels ... "
+                                                "position[name=NAME], or write [4] ...")));
+  EXPECT_EQ(c.counts().cropped, 1u);
+  EXPECT_EQ(c.counts().short_messages, 0u) << "a message may have a part of the names";
+
+  auto two = conversion(type, plain_fields({"position"}), 2);
+  take_names(two, {"a", "b"});
+  take_names(two, {"c"});
+  take_names(two, {"a"});
+  EXPECT_THAT(warnings_of(two),
+              ElementsAre(Fault("... brought 3 values ... 2 channels ... [3] ...")))
+      << "one warning, with the number of all names";
+  EXPECT_EQ(two.counts().cropped, 1u);
 
   auto parts = conversion(type, plain_fields({"position"}), 3);  // two nodes publish a part each
   EXPECT_TRUE(parts.convert(message(type, joints({{"arm", 1}}))));

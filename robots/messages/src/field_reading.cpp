@@ -67,14 +67,8 @@ std::string NameOrder::read(std::span<const std::byte> message) {
     }
     return {};
   }
-  std::string warning;
-  if (!warned_ && !newest_.empty()) {
-    warned_ = true;
-    warning = fmt::format(
-        "'name' of a {} was {} and is now {}: each name keeps its channel, and new names get the "
-        "next ones; select the elements by name, as in position[name={}]",
-        names_.path().type->name, list_of(known_), list_of(newest_), known_.front());
-  }
+  const std::string before = warned_ ? "" : list_of(known_);
+  std::size_t surplus = 0;
   for (const std::string_view name : newest_) {
     const auto found = place_of_.find(name);
     if (found != place_of_.end()) {
@@ -83,9 +77,17 @@ std::string NameOrder::read(std::span<const std::byte> message) {
       places_.push_back(known_.size());
       add(name);
     } else {
-      places_.push_back(kMostElements);
+      places_.push_back(known_.size() + surplus++);
     }
   }
+  std::string warning;
+  if (!warned_ && !newest_.empty() && surplus == 0) {
+    warning = fmt::format(
+        "'name' of a {} was {} and is now {}: each name keeps its channel, and new names get the "
+        "next ones; select the elements by name, as in position[name={}]",
+        names_.path().type->name, before, list_of(newest_), known_.front());
+  }
+  warned_ = warned_ || !newest_.empty();  // surplus values have a warning of their own
   return warning;
 }
 
@@ -107,7 +109,7 @@ FieldReading::FieldReading(const Catalog& catalog, const std::string& type,
     const auto count = reader.path().width();
     const bool by_name = has_names(reader.path());
     if (by_name && !order_) {
-      order_.emplace(catalog, type, width);
+      order_.emplace(catalog, type, width == 0 ? kMostElements : width);
     }
     if (takes_beams(reader.path())) {
       angle_increment_.emplace(catalog, type, "angle_increment");
@@ -132,7 +134,7 @@ std::string FieldReading::name_of(std::size_t channel) const {
   for (const Entry& entry : entries_) {
     const std::size_t width = share_channels_ ? entry.channels : entry.width.value_or(channel + 1);
     if (channel < width) {
-      return entry.field.path;
+      return name_of(entry, channel);
     }
     channel -= width;
   }
@@ -143,8 +145,25 @@ std::string FieldReading::length_remedy(std::size_t /*channels*/) const {
   return order_ ? "select the elements by name, as in position[name=NAME]" : "";
 }
 
-std::string FieldReading::nan_remedy() const {
-  return "; select another field, or replace NaN, as in nan: 0";
+std::string FieldReading::no_value_remedy(bool missing) const {
+  return missing ? Reading::no_value_remedy(missing)
+                 : "select another field, or replace NaN, as in nan: 0";
+}
+
+std::string FieldReading::name_of(const Entry& entry, std::size_t element) const {
+  const std::string& path = entry.field.path;
+  if (entry.width == 1U) {
+    return path;
+  }
+  if (entry.by_name && !order_->name_at(element).empty()) {
+    return fmt::format("{}[name={}]", path.substr(0, path.find('[')), order_->name_at(element));
+  }
+  const auto* const reader = std::get_if<FieldReader>(&entry.reader);
+  if (reader == nullptr || reader->path().steps.size() != 1) {
+    return fmt::format("{}, value {}", path, element);
+  }
+  return fmt::format("{}[{}]", path.substr(0, path.find('[')),
+                     reader->path().steps.front().first + element);
 }
 
 bool FieldReading::read(std::span<const std::byte> message, ReadValues& values) {
@@ -156,7 +175,11 @@ bool FieldReading::read(std::span<const std::byte> message, ReadValues& values) 
     read_entry(entry, message);
   }
   fit_channels();
-  return std::ranges::all_of(entries_, [&](const Entry& entry) { return append(entry, values); });
+  bool is_used = true;
+  for (const Entry& entry : entries_) {
+    is_used = append(entry, values) && is_used;
+  }
+  return is_used;
 }
 
 void FieldReading::check_order(std::span<const std::byte> message) {
@@ -189,9 +212,6 @@ void FieldReading::order_by_name(Entry& entry) const {
   entry.held.clear();
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const std::size_t place = order_->places()[i];
-    if (place == kMostElements) {
-      continue;
-    }
     if (place >= entry.numbers.size()) {
       entry.numbers.resize(place + 1, kNan);
       entry.held.resize(place + 1, Held::missing);
@@ -228,9 +248,10 @@ void FieldReading::fit_channels() {
   for (const Entry& entry : entries_) {
     brought += entry.width ? 0 : entry.numbers.size();
   }
-  if (!share_channels_ || brought != shared_) {
+  if (!share_channels_ || is_fitted_ || brought != shared_) {
     return;
   }
+  is_fitted_ = true;
   for (Entry& entry : entries_) {
     entry.channels = entry.width.value_or(entry.numbers.size());
   }
@@ -239,21 +260,22 @@ void FieldReading::fit_channels() {
 bool FieldReading::append(const Entry& entry, ReadValues& values) const {
   const std::size_t brought = entry.numbers.size();
   // A missing value must not move the values of the next fields to other channels.
-  const std::size_t width =
-      share_channels_ ? entry.channels : std::max(brought, entry.width.value_or(0));
-  if (!entry.width && brought != width && !values.misfit) {
-    values.misfit = {entry.field.path, brought, width};
+  const std::size_t known = entry.by_name ? order_->size() : entry.width.value_or(0);
+  const std::size_t width = share_channels_ ? entry.channels : std::max(brought, known);
+  // A message may have a part of the names.
+  const std::size_t fitting = std::max(brought, std::min(known, width));
+  if (!entry.width && fitting != width && !values.misfit) {
+    values.misfit = {entry.field.path, fitting, width};
   }
+  bool is_used = true;
   for (std::size_t i = 0; i < width; ++i) {
     double value = i < brought ? entry.numbers[i] : kNan;
     Held held = i < brought ? entry.held[i] : Held::missing;
-    if (held == Held::no && !convert_value(entry.field, value, held)) {
-      return false;
-    }
+    is_used = (held != Held::no || convert_value(entry.field, value, held)) && is_used;
     values.numbers.push_back(value);
     values.held.push_back(held);
   }
-  return true;
+  return is_used;
 }
 
 }  // namespace spikeloop::messages

@@ -26,8 +26,14 @@ class NameOrder {
 
   /// Returns a warning at the first message with other names, else an empty text.
   std::string read(std::span<const std::byte> message);
-  /// Place of each element of the newest message; kMostElements: no place.
+  /// Place of each element of the newest message. Names that have none get those after the others.
   const std::vector<std::size_t>& places() const { return places_; }
+  /// Number of names that have a place.
+  std::size_t size() const { return known_.size(); }
+  /// Name at a place; empty if there is none.
+  std::string name_at(std::size_t place) const {
+    return place < known_.size() ? known_[place] : std::string();
+  }
 
  private:
   void add(std::string_view name);
@@ -50,7 +56,7 @@ class FieldReading : public Reading {
   std::optional<std::size_t> width() const override;
   std::string name_of(std::size_t channel) const override;
   std::string length_remedy(std::size_t channels) const override;
-  std::string nan_remedy() const override;
+  std::string no_value_remedy(bool missing) const override;
 
  private:
   struct Entry {
@@ -69,8 +75,9 @@ class FieldReading : public Reading {
   void read_entry(Entry& entry, std::span<const std::byte> message);
   void order_by_name(Entry& entry) const;
   void share_channels(std::uint32_t width);
-  /// A message whose values fill the port determines how many channels each field has.
+  /// The first message whose values fill the port determines how many channels each field has.
   void fit_channels();
+  std::string name_of(const Entry& entry, std::size_t element) const;
   /// False: the message is to be left out.
   bool append(const Entry& entry, ReadValues& values) const;
 
@@ -80,7 +87,8 @@ class FieldReading : public Reading {
   std::optional<NameOrder> order_;
   std::optional<FieldReader> angle_increment_;  ///< of beams; nullopt after the warning
   bool share_channels_ = false;                 ///< several fields, one of them of any length
-  std::size_t shared_ = 0;                      ///< number of channels of the fields of any length
+  bool is_fitted_ = false;
+  std::size_t shared_ = 0;  ///< number of channels of the fields of any length
 };
 
 }  // namespace spikeloop::messages

@@ -1,5 +1,7 @@
 #include "reading.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -19,7 +21,12 @@ class PictureReading : public Reading {
       : dialect_(dialect), compressed_(compressed), conversion_(settings) {}
 
   std::optional<std::size_t> width() const override { return conversion_.settings().values(); }
-  std::string name_of(std::size_t /*channel*/) const override { return "data"; }
+  std::string name_of(std::size_t channel) const override {
+    const images::Size size = conversion_.size();
+    const std::size_t pixels = std::max<std::size_t>(std::size_t{size.width} * size.height, 1);
+    return fmt::format("pixel ({}, {})", channel % pixels % std::max(size.width, 1U),
+                       channel % pixels / std::max(size.width, 1U));
+  }
 
   bool read(std::span<const std::byte> message, ReadValues& values) override {
     const auto made = convert(message);

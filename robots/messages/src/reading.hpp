@@ -46,14 +46,17 @@ class Reading {
 
   /// Number of values of a message; nothing when that is the message's to say.
   virtual std::optional<std::size_t> width() const = 0;
-  /// Name of a channel's value in the experiment file or the message.
+  /// Name of a channel's value in the experiment file or the newest message.
   virtual std::string name_of(std::size_t /*channel*/) const { return "value"; }
   /// What to write if the number of values changes from message to message; empty if there is only
   /// the width of the connection.
   virtual std::string length_remedy(std::size_t /*channels*/) const { return {}; }
-  /// What to write if a value is always NaN, after "; ". Empty if there is nothing to write.
-  virtual std::string nan_remedy() const { return {}; }
-  /// Replaces values(). False: the message is to be left out.
+  /// What to write if no message has a value for a channel.
+  /// @param missing false: the messages have NaN, or no reading, there
+  virtual std::string no_value_remedy(bool /*missing*/) const {
+    return "set the sensor's key 'initial' to a value for them, for example 0";
+  }
+  /// Replaces values(), also if the message is to be left out: then returns false.
   /// @throws TransportError when it cannot be read.
   bool take(std::span<const std::byte> message) {
     values_.numbers.clear();

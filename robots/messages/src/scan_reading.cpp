@@ -83,8 +83,13 @@ std::optional<std::size_t> ScanReading::width() const {
 }
 
 std::string ScanReading::name_of(std::size_t channel) const {
+  if (rule_.beams == 0) {
+    return fmt::format("ranges[{}]", is_reversed_ && channel < beams_.size()
+                                         ? beams_.size() - 1 - channel
+                                         : channel);
+  }
   if (!rule_.angles) {
-    return "ranges";
+    return fmt::format("beam {} of {}", channel, rule_.beams);
   }
   const auto [first, last] = *rule_.angles;
   const double share =
@@ -94,6 +99,10 @@ std::string ScanReading::name_of(std::size_t channel) const {
 
 std::string ScanReading::length_remedy(std::size_t channels) const {
   return fmt::format("set the sensor's key 'beams' to {} to resample scans by angle", channels);
+}
+
+std::string ScanReading::no_value_remedy(bool /*missing*/) const {
+  return "set the sensor's key 'initial' to a value for them, for example -1, an obstacle";
 }
 
 bool ScanReading::read(std::span<const std::byte> message, ReadValues& values) {
@@ -160,7 +169,8 @@ void ScanReading::order_beams(std::span<const std::byte> message) {
   const bool known = std::isfinite(increment) && increment != 0;
   const double direction =
       known ? increment : number(angle_max_, message) - number(angle_min_, message);
-  if (direction < 0) {
+  is_reversed_ = direction < 0;
+  if (is_reversed_) {
     std::ranges::reverse(beams_);
   }
 }

@@ -19,6 +19,7 @@ class ScanReading : public Reading {
   std::optional<std::size_t> width() const override;
   std::string name_of(std::size_t channel) const override;
   std::string length_remedy(std::size_t channels) const override;
+  std::string no_value_remedy(bool missing) const override;
 
  private:
   /// Angles of the beams in rad, counterclockwise.
@@ -49,6 +50,7 @@ class ScanReading : public Reading {
   FieldReader ranges_;
   std::vector<double> beams_;
   std::vector<double> scratch_;
+  bool is_reversed_ = false;  ///< the newest message has its beams clockwise
   bool warned_ = false;
 };
 

@@ -22,11 +22,14 @@ constexpr std::uint64_t kPatientMessages = 20;
 }  // namespace
 
 SensorConversion::SensorConversion(const Catalog& catalog, std::string_view type,
-                                   const SensorRule& rule, std::uint32_t width, bool strict)
+                                   const SensorRule& rule, std::uint32_t width, bool strict,
+                                   std::optional<double> initial)
     : type_(catalog.full_name(type)),
       strict_(strict),
       reading_(make_reading(catalog, type_, rule, width)),
-      channels_(width, std::numeric_limits<double>::quiet_NaN()) {
+      initial_(initial),
+      channels_(width, initial.value_or(std::numeric_limits<double>::quiet_NaN())),
+      seen_(width, Seen::nothing) {
   const std::optional<std::size_t> known = reading_->width();
   if (strict && known && *known != width) {
     throw ConfigurationError(with_code(Code::fields_differ,
@@ -61,10 +64,11 @@ bool SensorConversion::convert(std::span<const std::byte> message) {
     return false;
   }
   std::ranges::move(reading_->take_warnings(), std::back_inserter(warnings_));
-  bool any = false;
-  if (whole_) {
-    fit();
-    any = take_values();
+  any_whole_ = any_whole_ || whole_;
+  const bool is_cropped = whole_ && fit();
+  const bool any = take_values();
+  if (whole_ && !any && !is_cropped) {
+    warn_of_no_reading();
   }
   counts_.without_reading += any ? 0 : 1;
   any_reading_ = any_reading_ || any;
@@ -77,25 +81,34 @@ bool SensorConversion::convert(std::span<const std::byte> message) {
 bool SensorConversion::take_values() {
   const ReadValues& values = reading_->values();
   const std::size_t count = std::min(values.numbers.size(), channels_.size());
+  most_values_ = std::max(most_values_, values.numbers.size());
   bool any = false;
   for (std::size_t i = 0; i < count; ++i) {
-    if (values.held[i] != Held::no) {
-      counts_.invalid_readings += values.held[i] == Held::no_reading ? 1 : 0;
+    const bool is_nan = std::isnan(values.numbers[i]);
+    if (values.held[i] == Held::missing) {
       continue;
     }
-    channels_[i] = values.numbers[i];
-    const bool is_nan = std::isnan(values.numbers[i]);
-    any = any || !is_nan;
-    passes_nan_ = passes_nan_ || is_nan;
-  }
-  if (!any) {
-    warn_of_no_reading();
+    seen_[i] = std::max(seen_[i], is_nan ? Seen::no_reading : Seen::value);
+    if (!whole_) {
+      continue;
+    }
+    if (values.held[i] == Held::no_reading) {
+      ++counts_.invalid_readings;
+    } else if (!is_nan) {
+      channels_[i] = values.numbers[i];
+      any = true;
+    } else if (seen_[i] == Seen::value || !initial_) {
+      channels_[i] = values.numbers[i];
+      passes_nan_ = true;
+    }
   }
   return any;
 }
 
 void SensorConversion::warn_of_no_reading() {
-  if (told_no_reading_ || (passes_nan_ && !any_reading_)) {
+  const bool is_nan = reading_->values().held.end() !=
+                      std::ranges::find(reading_->values().held, Held::no);  // passed on
+  if (told_no_reading_ || (is_nan && !any_reading_)) {
     return;  // the first NaN of a sensor that starts is reported if there is no number later
   }
   told_no_reading_ = true;
@@ -104,8 +117,10 @@ void SensorConversion::warn_of_no_reading() {
     warn(fmt::format("a {} brought no reading; the channels {}", type_,
                      passes_nan_ ? "are NaN" : "keep what they had"));
   } else {
-    warn(fmt::format("a {} brought no reading in '{}', so the channels have no value", type_,
-                     reading_->name_of(0)));
+    warn(fmt::format(
+        "a {} brought no reading{}, so the channels {}", type_,
+        channels_.size() == 1 ? fmt::format(" in '{}'", reading_->name_of(0)) : "",
+        initial_ ? fmt::format("keep their initial value {:g}", *initial_) : "have no value"));
   }
 }
 
@@ -117,42 +132,44 @@ std::string SensorConversion::describe_unread() const {
   if (counts_.messages == counts_.malformed || (told_unread_ && !any_reading_)) {
     return {};
   }
-  const ReadValues& values = reading_->values();
-  // If `skip` left the newest message out, reading stopped at the first value that is not a number.
+  const std::string messages =
+      counts_.messages == 1 ? "message" : fmt::format("{} messages", counts_.messages);
   // The warning of a short message names the channels that no message reaches.
-  const std::size_t read = values.held.size();
-  const std::size_t end = std::min(whole_ ? read : channels_.size(), channels_.size());
-  std::size_t first = end;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < end; ++i) {
-    if (std::isnan(channels_[i]) && count++ == 0) {
-      first = i;
-    }
+  const auto end =
+      seen_.begin() + static_cast<std::ptrdiff_t>(std::min(most_values_, seen_.size()));
+  const auto is_unread = [](Seen seen) { return seen != Seen::value; };
+  const auto unread = std::find_if(seen_.begin(), end, is_unread);
+  if (unread == end) {
+    return any_whole_ ? ""
+                      : fmt::format(
+                            "the first {} were left out, because each had NaN in a field "
+                            "with nan: skip; replace NaN, as in nan: 0",
+                            messages);
   }
-  if (count == 0) {
-    return {};
-  }
-  first = whole_ ? first : std::min(read, end - 1);
-  const bool missing = first < read && values.held[first] == Held::missing;
-  return fmt::format(
-             "the first {} had no {}'{}', so {}",
-             counts_.messages == 1 ? "message" : fmt::format("{} messages", counts_.messages),
-             missing ? "" : "valid value in ", reading_->name_of(first),
-             count == 1 ? fmt::format("channel {} has no value", first)
-             : whole_
-                 ? fmt::format("{} channels have no value, the first is channel {}", count, first)
-                 : fmt::format("{} channels have no value", count)) +
-         (missing ? "" : reading_->nan_remedy());
+  const auto first = static_cast<std::size_t>(unread - seen_.begin());
+  const auto count =
+      any_whole_ ? static_cast<std::size_t>(std::count_if(unread, end, is_unread)) : seen_.size();
+  const bool missing = *unread == Seen::nothing;
+  const std::string value = initial_ ? fmt::format("initial value {:g}", *initial_) : "";
+  const std::string effect =
+      count == 1
+          ? fmt::format("channel {} {}", first, initial_ ? "keeps its " + value : "has no value")
+          : fmt::format("{} channels {}{}", count,
+                        initial_ ? "keep their " + value : "have no value",
+                        any_whole_ ? fmt::format(", the first is channel {}", first) : "");
+  return fmt::format("the first {} had no {}'{}', so {}{}", messages,
+                     missing ? "" : "valid value in ", reading_->name_of(first), effect,
+                     initial_ ? "" : "; " + reading_->no_value_remedy(missing));
 }
 
-void SensorConversion::fit() {
+bool SensorConversion::fit() {
   const ReadValues& values = reading_->values();
   Misfit misfit{"", values.numbers.size(), channels_.size()};
   if (misfit.values == misfit.channels && values.misfit) {
     misfit = *values.misfit;
   }
   if (misfit.values == misfit.channels || values.numbers.empty()) {
-    return;
+    return false;
   }
   const std::string difference =
       misfit.path.empty()
@@ -167,14 +184,22 @@ void SensorConversion::fit() {
   }
   const bool surplus = misfit.values > misfit.channels;
   if (counts_.cropped + counts_.short_messages == 0) {
-    const std::string remedy = reading_->length_remedy(channels_.size());
-    warn(fmt::format(
-        "{}: surplus values are left out, and channels without a value keep their last one; "
-        "{}write [{}] in its connection {}",
-        difference, remedy.empty() ? "" : remedy + ", or ", whole,
-        surplus ? "to have all" : "if no message has more"));
+    warn_of_length(difference, whole, surplus);
   }
   ++(surplus ? counts_.cropped : counts_.short_messages);
+  return surplus;
+}
+
+void SensorConversion::warn_of_length(const std::string& difference, std::size_t whole,
+                                      bool surplus) {
+  std::string remedy = reading_->length_remedy(channels_.size());
+  if (surplus || most_values_ < channels_.size()) {  // else other messages fill the connection
+    remedy += fmt::format("{}write [{}] in its connection {}", remedy.empty() ? "" : ", or ", whole,
+                          surplus ? "to have all" : "if no message has more");
+  }
+  warn(fmt::format(
+      "{}: surplus values are left out, and channels without a value keep their last one{}{}",
+      difference, remedy.empty() ? "" : "; ", remedy));
 }
 
 void SensorConversion::warn(std::string text) {

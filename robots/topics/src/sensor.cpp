@@ -19,8 +19,12 @@ bool is_large(messages::Dialect ros, const std::string& message_type) {
 }
 
 messages::SensorConversion conversion_of(messages::Dialect ros, const SensorSettings& settings) {
-  return {messages::Catalog::for_type(ros, settings.message_type), settings.message_type,
-          settings.rule, settings.width, settings.strict};
+  return {messages::Catalog::for_type(ros, settings.message_type),
+          settings.message_type,
+          settings.rule,
+          settings.width,
+          settings.strict,
+          settings.initial};
 }
 
 }  // namespace
@@ -29,7 +33,8 @@ struct Sensor::Impl {
   Impl(Session& session, const SensorSettings& wanted)
       : settings(wanted),
         conversion(conversion_of(session.dialect(), wanted)),
-        newest(wanted.width, 0.0),
+        newest(conversion.channels().begin(), conversion.channels().end()),
+        revision(wanted.initial ? 1 : 0),
         reader(session,
                {.node = wanted.node,
                 .topic = wanted.topic,
@@ -83,7 +88,7 @@ struct Sensor::Impl {
   mutable std::mutex mutex;  // held for a copy, never across a tick
   std::vector<double> newest;
   TimeNs arrived = 0;
-  std::uint64_t revision = 0;                    // of `newest`
+  std::uint64_t revision;                        // of `newest`
   std::uint64_t readings = 0;                    // messages that had one
   std::string unread;                            // SensorConversion::unread()
   std::vector<std::vector<std::byte>> arrivals;  // since the tick before, for `keep`
@@ -92,7 +97,6 @@ struct Sensor::Impl {
   std::uint64_t seen = 0;  // used by the loop only
   std::uint64_t seen_readings = 0;
   std::vector<std::vector<std::byte>> taken;
-  bool initial_sent = false;
   TopicReader reader;  // last: no callback comes before there is all the rest, or after
 };
 
@@ -119,12 +123,6 @@ void Sensor::receive(const Step& step) {
   const bool simulated = impl_->settings.simulated_stamp;
   impl_->reader.check(simulated ? std::optional(step.interval().begin) : std::nullopt);
   const SignalOutput out = step.signal_output(0);
-  const std::optional<double>& initial = impl_->settings.initial;
-  if (initial && !impl_->initial_sent) {
-    std::ranges::fill(out.values(), *initial);
-    out.commit();
-    impl_->initial_sent = true;
-  }
   TimeNs arrived = 0;
   bool fresh = false;
   bool stamped = false;

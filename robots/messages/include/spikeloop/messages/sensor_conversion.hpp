@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -33,6 +34,8 @@ class Reading;
 /// is the nearest of the beams that are closer to its direction than to another one's; if there are
 /// none, the next beam, at most one angle_increment away.
 ///
+/// A channel keeps `initial` until a message has a valid value for it.
+///
 /// A message may have another number of values than the port has channels: surplus values are left
 /// out, channels without a value keep their last one. With `fields`, any type: the numbers of these
 /// paths one after the other. Elements that a path names and the message does not have are no
@@ -49,11 +52,12 @@ class SensorConversion {
   };
 
   /// @param strict a message with another number of values than the port has channels is an error
+  /// @param initial value of every channel before its first valid value; nullopt: NaN
   /// @throws ConfigurationError: a type without a rule, unknown paths, a rule for pictures with
   /// another type; when `strict`, a type whose number of values is known and is not the port's
   /// width.
   SensorConversion(const Catalog& catalog, std::string_view type, const SensorRule& rule,
-                   std::uint32_t width, bool strict);
+                   std::uint32_t width, bool strict, std::optional<double> initial = {});
   ~SensorConversion();
   SensorConversion(SensorConversion&&) noexcept;
 
@@ -82,7 +86,13 @@ class SensorConversion {
   const std::string& type() const { return type_; }
 
  private:
-  void fit();
+  /// What the messages had for a channel, in ascending order.
+  enum class Seen : std::uint8_t { nothing, no_reading, value };
+
+  /// Counts and reports a message of another length. True if it has surplus values.
+  bool fit();
+  void warn_of_length(const std::string& difference, std::size_t whole, bool surplus);
+  /// Updates channels unless the message is left out. True if a channel has got a number.
   bool take_values();
   void warn_of_no_reading();
   std::string describe_unread() const;
@@ -92,11 +102,15 @@ class SensorConversion {
   bool strict_ = false;
   bool whole_ = false;  ///< the newest message was not left out
   bool passes_nan_ = false;
+  bool any_whole_ = false;  ///< a message was not left out
   bool any_reading_ = false;
   bool told_no_reading_ = false;
   bool told_unread_ = false;  ///< before any reading
   std::unique_ptr<Reading> reading_;
+  std::optional<double> initial_;
   std::vector<double> channels_;
+  std::vector<Seen> seen_;       ///< of every channel
+  std::size_t most_values_ = 0;  ///< of a message
   Counts counts_;
   std::vector<std::string> warnings_;
 };

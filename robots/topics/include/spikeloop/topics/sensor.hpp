@@ -22,7 +22,8 @@ struct SensorSettings {
   messages::SensorRule rule{};  ///< see messages::SensorConversion; usually empty
   std::uint32_t width = 0;
   bool strict = false;
-  std::optional<double> initial{};  ///< every channel before the first message; none: no value
+  /// Value of every channel before its first valid value. nullopt: no value.
+  std::optional<double> initial{};
   /// `data_stamp` is the simulated time of the tick that first uses a message.
   bool simulated_stamp = false;
   std::uint32_t queue = 10;         ///< messages that may wait; 0: any number
