@@ -207,11 +207,17 @@ class McapFile : public Source {
   }
 
   void warn_of_end() {
+    if (places_.empty()) {
+      warnings_.push_back(
+          fmt::format("'{}' was not ended, and it has no whole chunk of messages; record it again, "
+                      "and end the recorder with Ctrl-C",
+                      path_));
+      return;
+    }
     const auto by_time = [](const Place& a, const Place& b) { return a.time < b.time; };
     const auto [first, last] = std::ranges::minmax_element(places_, by_time);
-    warnings_.push_back(fmt::format(
-        "'{}' was not ended: only its first {} can be read", path_,
-        format_time(places_.empty() ? 0 : last->time - (has_run_times() ? 0 : first->time))));
+    warnings_.push_back(fmt::format("'{}' was not ended: only its first {} can be read", path_,
+                                    format_time(last->time - (has_run_times() ? 0 : first->time))));
   }
 
   bool has_run_times() const {

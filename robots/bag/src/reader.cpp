@@ -137,6 +137,9 @@ class Recording {
     of_a_run_ =
         std::ranges::all_of(connections_, [](const auto& one) { return !one.node.empty(); });
     read_places(path);
+    if (connections_.empty() && !parts_.empty() && !parts_.back()->warnings().empty()) {
+      throw FileError(with_code(Code::no_access, parts_.back()->warnings().back()));
+    }
   }
 
   const std::vector<Connection>& connections() const { return connections_; }
@@ -238,6 +241,12 @@ class Recording {
         zeros += place.time == 0 ? 1 : 0;
         begin = place.time == 0 ? begin : std::min(begin, place.time);
       }
+    }
+    if (begin == std::numeric_limits<TimeNs>::max() && zeros > connections_.size()) {
+      warnings_.push_back(fmt::format(
+          "'{}': all {} messages are at time 0, so that they arrive at once; record them again "
+          "without --use-sim-time, or while a simulator publishes /clock",
+          path, zeros));
     }
     if (zeros == 0 || begin < kClear || begin == std::numeric_limits<TimeNs>::max()) {
       return;

@@ -196,7 +196,9 @@ class SqliteFile : public Source {
   }
 
   void read_places() {
-    Query query(*database_, "SELECT id, topic_id, timestamp FROM messages ORDER BY id");
+    // In the order of time, as rosbag2 plays them: a recorder with several threads writes rows out
+    // of order.
+    Query query(*database_, "SELECT id, topic_id, timestamp FROM messages ORDER BY timestamp, id");
     while (query.next()) {
       const auto topic = topics_.find(query.number(1));
       if (topic == topics_.end()) {
