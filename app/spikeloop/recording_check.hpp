@@ -13,7 +13,8 @@ struct RecordingCheck {
 };
 
 /// Passes the messages of the recording to the sensors of an experiment that has one, as a run
-/// does, for at most 4 s of wall time. Nothing else of the experiment runs.
+/// does, for at most 4 s of wall time. Commands run as well if sensors alone are connected to them;
+/// nothing else of the experiment runs.
 RecordingCheck check_recording(const experiment::Experiment& experiment);
 
 }  // namespace spikeloop::app

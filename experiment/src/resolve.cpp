@@ -380,6 +380,7 @@ Experiment resolve(const ExperimentFile& file, const NodeTypes& types, const Ove
   const auto bag = open_bag(experiment, all);
   experiment.dialect = bag ? bag->dialect() : dialect_of(experiment.ros);
   if (bag) {
+    experiment.robot->recording = bag;
     robot.width = bag_width(bag);
   }
   check_ways(experiment, all);

@@ -6,8 +6,11 @@
 namespace spikeloop::fused {
 
 BagTransport::BagTransport(const experiment::Experiment& experiment)
-    : reader_(experiment.robot->bag), commands_(reader_.dialect()) {
-  for (const std::string& warning : experiment::recording_warnings(experiment, reader_)) {
+    : reader_(experiment.robot->recording != nullptr
+                  ? experiment.robot->recording
+                  : std::make_shared<const bag::Reader>(experiment.robot->bag)),
+      commands_(reader_->dialect()) {
+  for (const std::string& warning : experiment::recording_warnings(experiment, *reader_)) {
     log::warning("{}", warning);
   }
 }
@@ -23,7 +26,7 @@ topics::Session& BagTransport::session(const experiment::Node& node) {
   if (node.role != experiment::Role::source) {
     return commands_;
   }
-  return feeds_.emplace_back(std::make_unique<Feed>(reader_, node))->session;
+  return feeds_.emplace_back(std::make_unique<Feed>(*reader_, node))->session;
 }
 
 void BagTransport::begin(TimeNs time) {

@@ -16,7 +16,7 @@ namespace spikeloop::fused {
 /// time. Nobody is at the other end of commands.
 class BagTransport : public Transport {
  public:
-  /// Opens the bag of the experiment. @throws FileError as bag::Reader.
+  /// Uses the bag of the experiment, which may be open. @throws FileError as bag::Reader.
   explicit BagTransport(const experiment::Experiment& experiment);
 
   topics::Session& session(const experiment::Node& node) override;
@@ -34,7 +34,7 @@ class BagTransport : public Transport {
     std::unique_ptr<topics::RawPublisher> publisher;
   };
 
-  bag::Reader reader_;
+  std::shared_ptr<const bag::Reader> reader_;
   std::vector<std::unique_ptr<Feed>> feeds_;
   topics::MemorySession commands_;
 };

@@ -21,6 +21,10 @@
 #include "spikeloop/experiment/node_types.hpp"
 #include "spikeloop/messages/dialect.hpp"
 
+namespace spikeloop::bag {
+class Reader;
+}
+
 namespace spikeloop::experiment {
 
 enum class Sync { realtime, unpaced, lockstep, sim_time };
@@ -128,6 +132,8 @@ struct Robot {
   std::optional<Camera> camera{};
   std::optional<RobotModel> model{};         ///< in the vehicle's place
   std::optional<Environment> environment{};  ///< in the robot's place
+  /// The open bag. Null without a bag, and if it cannot be read.
+  std::shared_ptr<const bag::Reader> recording{};
 };
 
 /// The nodes that share a process.
