@@ -131,7 +131,9 @@ TEST_F(BagFaults, WhatIsCutOffIsReadUpToThere) {
   std::set<int> counts;
   for (std::size_t part = 0; part <= 20; ++part) {
     directory_.write("x.mcap", whole.substr(0, 8 + (whole.size() - 8) * part / 20));
-    const int count = std::stoi(reading());
+    const std::string text = reading();
+    const bool has_none = text.find("was not ended, and it has no whole chunk") != text.npos;
+    const int count = has_none ? 0 : std::stoi(text);
     EXPECT_GE(count, before) << part;
     counts.insert(before = count);
   }

@@ -56,10 +56,24 @@ class Cdr:
         return b"\0\1\0\0" + self.body
 
 
-def scan(distance=2.0, beams=12):
-    """All beams at one distance, from 0.1 to 10 m."""
-    return Cdr().add("i", 1).add("I", 0).text("laser").add("f", -1, 1, 0.1, 0, 0.05, 0.1, 10) \
-        .array("f", [distance] * beams).array("f", []).bytes()
+def scan(distance=2.0, beams=12, ranges=None, limits=(0.1, 10)):
+    """All beams at one distance, unless ranges are given, from 0.1 to 10 m."""
+    return Cdr().add("i", 1).add("I", 0).text("laser").add("f", -1, 1, 0.1, 0, 0.05, *limits) \
+        .array("f", [distance] * beams if ranges is None else ranges).array("f", []).bytes()
+
+
+def image(encoding, width, height, data):
+    """Rows without a gap."""
+    return Cdr().add("i", 1).add("I", 0).text("camera").add("I", height, width).text(encoding).add("B", 0) \
+        .add("I", len(data) // max(height, 1)).array("B", data).bytes()
+
+
+def joints(names, positions):
+    """sensor_msgs/JointState without velocities and efforts."""
+    message = Cdr().add("i", 1).add("I", 0).text("").add("I", len(names))
+    for name in names:
+        message.text(name)
+    return message.array("d", positions).array("d", []).array("d", []).bytes()
 
 
 def humble_range(distance=1.5):

@@ -69,6 +69,9 @@ class McapFile : public Source {
     }
     keep_used_connections();
     if (!is_whole) {
+      if (is_closed && places_.empty()) {
+        damaged(name, "a record leads beyond its end");
+      }
       warn_of_end();
     }
   }
