@@ -13,6 +13,7 @@
 #include "literal.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
+#include "spikeloop/messages/catalog.hpp"
 
 namespace spikeloop::messages {
 namespace {
@@ -178,11 +179,8 @@ class Parser {
     field.written_type = type;
     field.name = name;
     const auto bracket = type.find('[');
-    std::string base(type.substr(0, bracket));
-    if (const auto folder = base.find("/msg/"); folder != std::string::npos) {
-      base.erase(folder, 4);  // PACKAGE/msg/Type, as some programs write it into recordings
-    }
-    resolve_type(type, base, field);
+    // Some programs write PACKAGE/msg/Type into recordings.
+    resolve_type(type, without_msg(type.substr(0, bracket)), field);
     if (bracket != std::string_view::npos) {
       parse_brackets(type.substr(bracket), field);
     }

@@ -192,12 +192,6 @@ class WireWriter {
     });
   }
 
-  /// Numbers of this alignment, as they are.
-  void bytes(std::span<const std::byte> numbers, std::size_t alignment) {
-    align(alignment);
-    bytes_->insert(bytes_->end(), numbers.begin(), numbers.end());
-  }
-
   void length(std::size_t count) { put(static_cast<std::uint32_t>(count)); }
   /// Elements of one byte each.
   void bytes(std::span<const std::byte> values) {
