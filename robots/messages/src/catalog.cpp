@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/types.h>
+
+#include <md5.h>
 
 #include <algorithm>
 
-#include "digest.hpp"
 #include "embedded.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
@@ -212,7 +214,8 @@ std::string Catalog::md5(std::string_view name) const {
   if (!text.empty()) {
     text.pop_back();
   }
-  return md5_hex(text);
+  char hex[MD5_DIGEST_STRING_LENGTH];
+  return MD5Data(reinterpret_cast<const std::uint8_t*>(text.data()), text.size(), hex);
 }
 
 std::string Catalog::full_text(std::string_view name) const {

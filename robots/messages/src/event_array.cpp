@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "header.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
-#include "wire.hpp"
 
 namespace spikeloop::messages {
 namespace {
@@ -22,13 +22,9 @@ EventArray::EventArray(std::span<const std::byte> message, Dialect dialect) {
     gap_ = kGap;
   }
   with_reader(dialect, message, [&](auto& reader) {
-    if (!aligned) {
-      reader.number(Primitive::uint32);  // the header's sequence number
-    }
-    reader.number(Primitive::time);
-    reader.text();
-    height_ = static_cast<std::uint32_t>(reader.number(Primitive::uint32));
-    width_ = static_cast<std::uint32_t>(reader.number(Primitive::uint32));
+    skip_header(reader, dialect);
+    height_ = read_uint32(reader);
+    width_ = read_uint32(reader);
     size_ = reader.length(kEventBytes);
     const std::size_t bytes = size_ == 0 ? 0 : (size_ - 1) * stride_ + kEventBytes;
     events_ = reader.take_bytes(bytes).data();

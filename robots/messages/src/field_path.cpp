@@ -149,26 +149,18 @@ class Compiler {
   }
 
   void parse_elements(std::string_view brackets, std::string_view inside, PathStep& step) const {
-    const auto colon = inside.find(':');
-    const auto number = [&](std::string_view digits, std::size_t otherwise) {
-      std::size_t value = otherwise;
-      const auto [end, error] =
-          std::from_chars(digits.data(), digits.data() + digits.size(), value);
-      if (!digits.empty() && (error != std::errc{} || end != digits.data() + digits.size())) {
-        fail_selection(brackets);
-      }
-      return value;
-    };
-    step.first = number(inside.substr(0, colon), 0);
-    step.last = colon == std::string_view::npos ? step.first + 1
-                                                : number(inside.substr(colon + 1), PathStep::kEnd);
-    const bool to_the_end = colon != std::string_view::npos && colon + 1 == inside.size();
-    if (step.first >= kMostElements || (!to_the_end && step.last > kMostElements)) {
+    const auto elements = messages::parse_elements(inside);
+    if (!elements) {
+      fail_selection(brackets);
+    }
+    if (elements->is_too_far()) {
       fail_too_many(brackets);
     }
-    if (step.last <= step.first) {
+    if (elements->last <= elements->first) {
       fail(fmt::format("'{}' is empty; the end comes after the first element", brackets));
     }
+    step.first = elements->first;
+    step.last = elements->last;
   }
 
   void check_bounds(const FieldLayout& field, PathStep& step) const {
@@ -213,6 +205,27 @@ double read_number(Reader& reader, const FieldPath& path, const FieldLayout& fie
 }
 
 }  // namespace
+
+std::optional<Elements> parse_elements(std::string_view inside) {
+  const auto colon = inside.find(':');
+  Elements elements;
+  const auto parse = [](std::string_view digits, std::size_t& value) {
+    const char* const end = digits.data() + digits.size();
+    const auto [stop, error] = std::from_chars(digits.data(), end, value);
+    return digits.empty() || (error == std::errc{} && stop == end);
+  };
+  const bool good =
+      parse(inside.substr(0, colon), elements.first) &&
+      (colon == std::string_view::npos || parse(inside.substr(colon + 1), elements.last));
+  if (!good || inside.empty()) {
+    return std::nullopt;
+  }
+  elements.has_end = colon + 1 != inside.size();
+  if (colon == std::string_view::npos) {
+    elements.last = elements.first + 1;
+  }
+  return elements;
+}
 
 const FieldLayout& FieldPath::field(std::size_t level) const {
   const TypeLayout* within = type.get();

@@ -11,6 +11,17 @@
 
 namespace spikeloop::messages {
 
+/// "7", "0:100" or "3:" between the brackets of a path: [first, last).
+struct Elements {
+  std::size_t first = 0;
+  std::size_t last = PathStep::kEnd;
+  bool has_end = true;  ///< false for "3:"
+
+  bool is_too_far() const { return first >= kMostElements || (has_end && last > kMostElements); }
+};
+/// nullopt: not such a text.
+std::optional<Elements> parse_elements(std::string_view inside);
+
 template <typename Reader>
 void skip_fields(Reader& reader, const TypeLayout& type, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {

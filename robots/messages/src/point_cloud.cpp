@@ -4,13 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstring>
 
 #include "header.hpp"
+#include "path_walk.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
-#include "spikeloop/messages/field_path.hpp"
 
 namespace spikeloop::messages {
 namespace {
@@ -140,31 +139,20 @@ std::optional<PointPath> PointPath::parse(std::string_view text) {
   if (!rest.ends_with(']')) {
     fail();
   }
-  const std::string_view inside = rest.substr(bracket + 1, rest.size() - bracket - 2);
-  const auto colon = inside.find(':');
-  const auto number = [&](std::string_view digits) {
-    std::uint32_t value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc{} || end != digits.data() + digits.size()) {
-      fail();
-    }
-    if (value > kMostElements) {
-      throw ConfigurationError(
-          with_code(Code::field_path,
-                    "field path '{}' of {}: '{}' reaches beyond the first {} elements; no path "
-                    "takes more",
-                    text, kPointCloud, rest.substr(bracket), kMostElements));
-    }
-    return std::size_t{value};
-  };
-  path.first_ = colon == 0 ? 0 : number(inside.substr(0, colon));
-  if (colon == std::string_view::npos) {
-    path.last_ = path.first_ + 1;
-  } else if (colon + 1 < inside.size()) {
-    path.last_ = number(inside.substr(colon + 1));
-  }
-  if (path.last_ && *path.last_ <= path.first_) {
+  const auto elements = parse_elements(rest.substr(bracket + 1, rest.size() - bracket - 2));
+  if (!elements || elements->last <= elements->first) {
     fail();
+  }
+  if (elements->is_too_far()) {
+    throw ConfigurationError(
+        with_code(Code::field_path,
+                  "field path '{}' of {}: '{}' reaches beyond the first {} elements; no path takes "
+                  "more",
+                  text, kPointCloud, rest.substr(bracket), kMostElements));
+  }
+  path.first_ = elements->first;
+  if (elements->has_end) {
+    path.last_ = elements->last;
   }
   return path;
 }

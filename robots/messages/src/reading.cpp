@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "field_reading.hpp"
-#include "image_message.hpp"
+#include "header.hpp"
 #include "scan_reading.hpp"
 #include "spikeloop/core/code.hpp"
 #include "spikeloop/core/error.hpp"
@@ -14,6 +14,39 @@
 
 namespace spikeloop::messages {
 namespace {
+
+constexpr std::string_view kImage = "sensor_msgs/Image";
+constexpr std::string_view kCompressedImage = "sensor_msgs/CompressedImage";
+
+/// Views of a message's bytes.
+struct CompressedImage {
+  std::string_view format;
+  std::span<const std::byte> data;
+};
+
+images::ImageView read_image(Dialect dialect, std::span<const std::byte> message) {
+  return with_reader(dialect, message, [&](auto& reader) {
+    skip_header(reader, dialect);
+    images::ImageView image;
+    image.height = read_uint32(reader);
+    image.width = read_uint32(reader);
+    image.encoding = reader.text();
+    image.big_endian = reader.number(Primitive::uint8) != 0;
+    image.step = read_uint32(reader);
+    image.data = read_bytes(reader);
+    return image;
+  });
+}
+
+CompressedImage read_compressed_image(Dialect dialect, std::span<const std::byte> message) {
+  return with_reader(dialect, message, [&](auto& reader) {
+    skip_header(reader, dialect);
+    CompressedImage image;
+    image.format = reader.text();
+    image.data = read_bytes(reader);
+    return image;
+  });
+}
 
 class PictureReading : public Reading {
  public:

@@ -1,11 +1,13 @@
 // The type hash of REP 2016: SHA-256 of the type's description as JSON, without default values,
 // constants and comments.
 #include <fmt/format.h>
+#include <sys/types.h>
+
+#include <sha2.h>
 
 #include <map>
 #include <stdexcept>
 
-#include "digest.hpp"
 #include "spikeloop/messages/catalog.hpp"
 
 namespace spikeloop::messages {
@@ -102,9 +104,12 @@ std::string Catalog::type_hash(std::string_view name) const {
   for (const auto& [type, description] : parts) {
     referenced += (referenced.empty() ? "" : ", ") + description;
   }
-  return "RIHS01_" + sha256_hex(fmt::format(
-                         R"({{"type_description": {}, "referenced_type_descriptions": [{}]}})",
-                         describe_type(whole), referenced));
+  const std::string text =
+      fmt::format(R"({{"type_description": {}, "referenced_type_descriptions": [{}]}})",
+                  describe_type(whole), referenced);
+  char hex[SHA256_DIGEST_STRING_LENGTH];
+  return std::string("RIHS01_") +
+         SHA256Data(reinterpret_cast<const std::uint8_t*>(text.data()), text.size(), hex);
 }
 
 }  // namespace spikeloop::messages
