@@ -230,33 +230,43 @@ std::size_t count_listed(const fs::path& file, const fs::path& folder) {
 /// many people number recordings from 1.
 std::size_t count_named(const fs::path& file, const fs::path& folder) {
   const auto name = parse_name(file.filename().string());
+  if (!name || !name->has_number) {
+    return 0;
+  }
   std::set<std::uint64_t> parts;
   for (const std::string& other_file : recordings_in(folder)) {
     const Name other = *parse_name(other_file);
-    if (name && name->has_number && other.has_number && other.recording == name->recording) {
+    if (other.has_number && other.recording == name->recording) {
       parts.insert(other.part);
     }
   }
   return parts.contains(0) && parts.contains(1) ? parts.size() : 0;
 }
 
-/// Warns if a file is one of several parts.
-std::vector<std::string> warn_of_others(const fs::path& file) {
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  std::size_t count = count_listed(file, folder);
-  std::string remedy = fmt::format("write the path {}", folder.string());
-  if (count == 0) {
-    count = count_named(file, folder);
-    try {
-      named_parts(folder);
-    } catch (const Error&) {
-      remedy = "move them to a folder of their own and write its path";
-    }
+bool is_one_recording(const fs::path& folder) {
+  try {
+    named_parts(folder);
+    return true;
+  } catch (const Error&) {
+    return false;
   }
-  return count < 2 ? std::vector<std::string>{}
-                   : std::vector{fmt::format("'{}' is one of {} parts of a recording; {} to read "
-                                             "all",
-                                             file.string(), count, remedy)};
+}
+
+/// Warns if a file is one of several parts.
+std::vector<std::string> warn_of_others(const fs::path& file) try {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  const std::size_t listed = count_listed(file, folder);
+  const std::size_t count = listed > 0 ? listed : count_named(file, folder);
+  if (count < 2) {
+    return {};
+  }
+  const std::string remedy = listed > 0 || is_one_recording(folder)
+                                 ? fmt::format("write the path {}", folder.string())
+                                 : "move them to a folder of their own and write its path";
+  return {fmt::format("'{}' is one of {} parts of a recording; {} to read all", file.string(),
+                      count, remedy)};
+} catch (const fs::filesystem_error&) {  // the folder cannot be listed, but the file may be read
+  return {};
 }
 
 }  // namespace
