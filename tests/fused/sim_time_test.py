@@ -27,6 +27,14 @@ nodes:
 connections:
   - where -> same [1] -> go [1]
 """
+ODD_CLOCK = """
+import rospy
+from std_msgs.msg import Float64
+rospy.init_node("odd_clock", disable_rosout=True)
+clock = rospy.Publisher("/clock", Float64, latch=True, queue_size=1)
+clock.publish(1)
+rospy.spin()
+"""
 START_MS = 1_000_000  # the simulator has run for a while
 DRIVES_BY_MS = 100
 PAUSE_S = 4  # longer than watchdog and max_age
@@ -230,6 +238,13 @@ def paused_from_the_start(simulator, begin):
     simulator.heard.clear()
 
 
+def wrong_clock(file, folder):
+    """A clock of another type is named at once."""
+    with ros.program(sys.executable, "-c", ODD_CLOCK):
+        runs.refused("... '/clock' carries std_msgs/Float64, not rosgraph_msgs/Clock; ... [SL0508]", "run", file,
+                     "--out", folder, code=3)
+
+
 def silence(begin, command):
     run = begin("silence")
     run.says("/clock has brought no time for 3 s, and sync: sim_time waits for it: is use_sim_time "
@@ -279,6 +294,7 @@ def main():
         file = scratch / "echo.yaml"
         file.write_text(EXPERIMENT)
         with ros.master(scratch):
+            wrong_clock(file, scratch / "wrong-clock")
             subprocess.run(["/usr/bin/rosparam", "set", "use_sim_time", "true"], check=True)
             silence(lambda name: Run(file, scratch / name), "rostopic")
             no_clock(file, scratch / "no-clock", "it has no publisher")

@@ -67,12 +67,12 @@ TEST_P(MissingValues, blind_beams_and_pixels_are_named_once_with_a_remedy) {
   EXPECT_THAT(beams.channels(), ElementsAre(0, IsNan(), 0, IsNan()));
   EXPECT_THAT(warnings_of(beams),
               ElementsAre("the first 20 messages had no valid value in 'ranges[1]', so 2 channels "
-                          "have no value, the first is channel 1; set the sensor's key 'initial' "
-                          "to a value for them, for example -1, an obstacle"));
+                          "have no value, the first is channel 1; give channels without a value "
+                          "one, as in initial: -1, an obstacle"));
   EXPECT_THAT(warnings_of(slice), ElementsAre(Fault("... 'ranges[11]', so channel 1 ... nan: 0")));
-  EXPECT_THAT(warnings_of(pixels),
-              ElementsAre(Fault("... 'pixel (2, 1)', so channel 5 has no value; ... 'initial' "
-                                "... for example 0")));
+  EXPECT_THAT(
+      warnings_of(pixels),
+      ElementsAre(Fault("... 'pixel (2, 1)', so channel 5 has no value; ... as in initial: 0")));
 }
 
 TEST_P(MissingValues, a_value_that_came_once_is_not_called_missing) {

@@ -187,9 +187,10 @@ TEST_P(ScanReadings, a_direction_without_a_beam_keeps_its_value) {
   for (int i = 0; i < 19; ++i) {
     c.convert(message(quarter));
   }
-  EXPECT_EQ(c.take_warning(),
-            "the first 20 messages had no 'beam at 180 deg', so channel 3 has no value; set the "
-            "sensor's key 'initial' to a value for them, for example -1, an obstacle");
+  EXPECT_EQ(
+      c.take_warning(),
+      "the first 20 messages had no 'beam at 180 deg', so channel 3 has no value; give channels "
+      "without a value one, as in initial: -1, an obstacle");
 }
 
 TEST_P(ScanReadings, channel_0_is_the_rightmost_beam) {

@@ -110,7 +110,7 @@ TEST_P(SensorRules, elements_that_no_message_has_are_told) {
     c.convert(joints("arm"));
     EXPECT_EQ(c.take_warning(),
               i == 19 ? "the first 20 messages had no 'position[name=hand]', so channel 1 has no "
-                        "value; set the sensor's key 'initial' to a value for them, for example 0"
+                        "value; give channels without a value one, as in initial: 0"
                       : "")
         << i;
     whole.convert(joints(i % 2 == 0 ? "arm" : "hand"));

@@ -70,7 +70,7 @@ class McapFile : public Source {
     keep_used_connections();
     if (!is_whole) {
       if (is_closed && places_.empty()) {
-        damaged(name, "a record leads beyond its end");
+        fail_damaged(name, "a record leads beyond its end");
       }
       warn_of_end();
     }

@@ -54,7 +54,7 @@ class Reading {
   /// What to write if no message has a value for a channel.
   /// @param missing false: the messages have NaN, or no reading, there
   virtual std::string no_value_remedy(bool /*missing*/) const {
-    return "set the sensor's key 'initial' to a value for them, for example 0";
+    return "give channels without a value one, as in initial: 0";
   }
   /// Replaces values(), also if the message is to be left out: then returns false.
   /// @throws TransportError when it cannot be read.

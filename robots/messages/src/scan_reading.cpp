@@ -102,7 +102,7 @@ std::string ScanReading::length_remedy(std::size_t channels) const {
 }
 
 std::string ScanReading::no_value_remedy(bool /*missing*/) const {
-  return "set the sensor's key 'initial' to a value for them, for example -1, an obstacle";
+  return "give channels without a value one, as in initial: -1, an obstacle";
 }
 
 bool ScanReading::read(std::span<const std::byte> message, ReadValues& values) {
