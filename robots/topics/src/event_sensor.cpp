@@ -167,16 +167,8 @@ std::vector<Counter> EventSensor::counters() const {
           {"wrong_type", wrong_type}};
 }
 
-bool EventSensor::has_publishers() const {
-  return impl_->reader.has_publishers();
-}
-
-std::uint64_t EventSensor::received() const {
-  return impl_->reader.received();
-}
-
-void EventSensor::require_sound() const {
-  impl_->reader.require_sound();
+const TopicReader& EventSensor::reader() const {
+  return impl_->reader;
 }
 
 }  // namespace spikeloop::topics

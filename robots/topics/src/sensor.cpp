@@ -170,16 +170,8 @@ std::vector<Counter> Sensor::counters() const {
   return counters;
 }
 
-bool Sensor::has_publishers() const {
-  return impl_->reader.has_publishers();
-}
-
-std::uint64_t Sensor::received() const {
-  return impl_->reader.received();
-}
-
-void Sensor::require_sound() const {
-  impl_->reader.require_sound();
+const TopicReader& Sensor::reader() const {
+  return impl_->reader;
 }
 
 }  // namespace spikeloop::topics

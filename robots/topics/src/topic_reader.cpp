@@ -9,6 +9,7 @@
 #include "spikeloop/core/log.hpp"
 #include "spikeloop/core/pacer.hpp"
 #include "spikeloop/topics/names.hpp"
+#include "spikeloop/topics/topic_source.hpp"
 
 namespace spikeloop::topics {
 namespace {
@@ -202,6 +203,18 @@ void TopicReader::check(std::optional<TimeNs> simulated) {
     noticed_at_ = now;
   }
   mind_silence(now, noticed_at_);
+}
+
+bool TopicSource::has_publishers() const {
+  return reader().has_publishers();
+}
+
+std::uint64_t TopicSource::received() const {
+  return reader().received();
+}
+
+void TopicSource::require_sound() const {
+  reader().require_sound();
 }
 
 }  // namespace spikeloop::topics

@@ -54,11 +54,9 @@ class EventSensor : public TopicSource {
   void receive(const Step& step) override;
   std::vector<Counter> counters() const override;
 
-  bool has_publishers() const override;
-  std::uint64_t received() const override;
-  void require_sound() const override;
-
  private:
+  const TopicReader& reader() const override;
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

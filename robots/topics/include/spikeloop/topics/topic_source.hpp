@@ -15,13 +15,18 @@ namespace spikeloop::topics {
 /// at which it ends. May be empty.
 using Keep = std::function<void(TimeNs time, std::span<const std::byte> message)>;
 
+class TopicReader;
+
 class TopicSource : public Source {
  public:
-  virtual bool has_publishers() const = 0;
+  bool has_publishers() const;
   /// Messages that have come and are known to the next receive().
-  virtual std::uint64_t received() const = 0;
+  std::uint64_t received() const;
   /// Throws what receive() would.
-  virtual void require_sound() const = 0;
+  void require_sound() const;
+
+ private:
+  virtual const TopicReader& reader() const = 0;
 };
 
 }  // namespace spikeloop::topics
