@@ -1,7 +1,10 @@
 // Questions to a node or the master with a deadline, unlike those of roscpp.
 #pragma once
 
+#include <sys/socket.h>
+
 #include <atomic>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -41,6 +44,10 @@ std::optional<Fault> ask_for_pid(const Address& address, const Limit& limit);
 std::optional<Fault> ask_for_header(const Address& address, const Limit& limit,
                                     const std::string& self, const std::string& topic,
                                     std::map<std::string, std::string>& header);
+
+/// Port of one side of a TCP connection: ::getsockname is this side, ::getpeername the other one.
+/// 0 for any other file.
+std::uint16_t port_of(int socket, int (*name)(int, sockaddr*, socklen_t*) noexcept);
 
 /// True for 'localhost' and addresses that no other machine reaches.
 bool is_loopback(const std::string& host);

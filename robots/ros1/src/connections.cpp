@@ -1,8 +1,6 @@
 #include "connections.hpp"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <netinet/in.h>
 #include <ros/master.h>
 #include <ros/network.h>
 #include <ros/topic_manager.h>
@@ -89,17 +87,6 @@ XmlRpcValue ask_node(const std::string& self, const std::string& node, const cha
   return call(uri_of(self, node), method, request);
 }
 
-/// Port of the other side of a connected socket; 0 if it is not connected.
-std::uint16_t peer_port(int socket) {
-  sockaddr_storage peer{};
-  socklen_t size = sizeof peer;
-  if (::getpeername(socket, reinterpret_cast<sockaddr*>(&peer), &size) != 0) {
-    return 0;
-  }
-  return ntohs(peer.ss_family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(peer).sin6_port
-                                          : reinterpret_cast<const sockaddr_in&>(peer).sin_port);
-}
-
 /// roscpp lists a publisher as connected while it tries to connect. Its socket may be closed, and
 /// the number be that of another connection.
 /// @param transport "TCPROS connection on port 37726 to [robot:42913 on socket 21]"
@@ -111,7 +98,7 @@ bool is_established(const std::string& transport) {
     return true;
   }
   const long socket = std::strtol(transport.c_str() + place + kSocket.size(), nullptr, 10);
-  return peer_port(static_cast<int>(socket)) ==
+  return port_of(static_cast<int>(socket), ::getpeername) ==
          std::strtol(transport.c_str() + port + 1, nullptr, 10);
 }
 

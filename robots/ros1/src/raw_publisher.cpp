@@ -1,6 +1,5 @@
 #include "raw_publisher.hpp"
 
-#include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <ros/connection_manager.h>
 #include <ros/poll_manager.h>
@@ -13,6 +12,7 @@
 #include <memory>
 #include <thread>
 
+#include "ask.hpp"
 #include "spikeloop/messages/catalog.hpp"
 #include "spikeloop/topics/names.hpp"
 
@@ -20,20 +20,6 @@ namespace spikeloop::ros1 {
 namespace {
 
 constexpr auto kLongestDrain = std::chrono::milliseconds(500);
-
-std::uint16_t local_port(int socket) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof address;
-  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
-    return 0;
-  }
-  if (address.ss_family == AF_INET) {
-    return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);
-  }
-  return address.ss_family == AF_INET6
-             ? ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port)
-             : std::uint16_t{0};
-}
 
 /// roscpp sets TCP_NODELAY only where the subscriber asks for it, and drivers rarely do: a command
 /// that follows another one closely would then wait up to 40 ms for the other side's delayed
@@ -44,7 +30,7 @@ void send_without_delay() {
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
     const int descriptor =
         static_cast<int>(std::strtol(entry.path().filename().c_str(), nullptr, 10));
-    if (local_port(descriptor) == port) {
+    if (port_of(descriptor, ::getsockname) == port) {
       const int on = 1;
       ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     }

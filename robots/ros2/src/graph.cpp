@@ -20,6 +20,36 @@ std::string user_data_of(const dds_qos_t* qos) {
   return text;
 }
 
+bool is_alive(const dds_sample_info_t& info) {
+  return info.valid_data && info.instance_state == DDS_IST_ALIVE;
+}
+
+/// Calls `record` for the next reports of a built-in reader.
+void take_endpoints(dds_entity_t reader, const auto& record) {
+  std::array<void*, 16> samples{};
+  std::array<dds_sample_info_t, 16> infos{};
+  const dds_return_t count =
+      dds_take(reader, samples.data(), infos.data(), samples.size(), samples.size());
+  for (dds_return_t i = 0; i < count; ++i) {
+    record(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]), infos[i]);
+  }
+  if (count > 0) {
+    dds_return_loan(reader, samples.data(), count);
+  }
+}
+
+template <typename Endpoint>
+std::vector<Endpoint> endpoints_of(const std::map<dds_instance_handle_t, Endpoint>& all,
+                                   const std::string& dds_topic) {
+  std::vector<Endpoint> found;
+  for (const auto& [handle, endpoint] : all) {
+    if (endpoint.topic == dds_topic) {
+      found.push_back(endpoint);
+    }
+  }
+  return found;
+}
+
 }  // namespace
 
 bool is_same(const dds_guid_t& a, const dds_guid_t& b) {
@@ -69,39 +99,19 @@ void Graph::forget(Listener listener) {
 
 std::vector<OtherReader> Graph::readers(const std::string& dds_topic) const {
   const std::lock_guard lock(mutex_);
-  std::vector<OtherReader> found;
-  for (const auto& [handle, reader] : readers_) {
-    if (reader.topic == dds_topic) {
-      found.push_back(reader);
-    }
-  }
-  return found;
+  return endpoints_of(readers_, dds_topic);
 }
 
 std::vector<Writer> Graph::writers(const std::string& dds_topic) const {
   const std::lock_guard lock(mutex_);
-  std::vector<Writer> found;
-  for (const auto& [handle, writer] : writers_) {
-    if (writer.topic == dds_topic) {
-      found.push_back(writer);
-    }
-  }
-  return found;
+  return endpoints_of(writers_, dds_topic);
 }
 
 /// Records all of them before it calls a listener: a listener sees the whole topic.
 void Graph::take_news() {
-  std::array<void*, 16> samples{};
-  std::array<dds_sample_info_t, 16> infos{};
-  const dds_return_t count =
-      dds_take(reader_, samples.data(), infos.data(), samples.size(), samples.size());
   std::vector<std::pair<Writer, bool>> news;
-  for (dds_return_t i = 0; i < count; ++i) {
-    record(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]), infos[i], news);
-  }
-  if (count > 0) {
-    dds_return_loan(reader_, samples.data(), count);
-  }
+  take_endpoints(reader_,
+                 [&](const auto& endpoint, const auto& info) { record(endpoint, info, news); });
   for (const auto& [writer, alive] : news) {
     tell(writer, alive);
   }
@@ -110,7 +120,7 @@ void Graph::take_news() {
 void Graph::record(const dds_builtintopic_endpoint_t& endpoint, const dds_sample_info_t& info,
                    std::vector<std::pair<Writer, bool>>& news) {
   const std::lock_guard lock(mutex_);
-  if (!info.valid_data || info.instance_state != DDS_IST_ALIVE) {
+  if (!is_alive(info)) {
     if (const auto left = writers_.extract(info.instance_handle); !left.empty()) {
       news.emplace_back(left.mapped(), false);
     }
@@ -130,25 +140,17 @@ void Graph::record(const dds_builtintopic_endpoint_t& endpoint, const dds_sample
 }
 
 void Graph::take_readers() {
-  std::array<void*, 16> samples{};
-  std::array<dds_sample_info_t, 16> infos{};
-  const dds_return_t count =
-      dds_take(subscriptions_, samples.data(), infos.data(), samples.size(), samples.size());
-  for (dds_return_t i = 0; i < count; ++i) {
-    const auto& endpoint = *static_cast<const dds_builtintopic_endpoint_t*>(samples[i]);
+  take_endpoints(subscriptions_, [this](const auto& endpoint, const auto& info) {
     const std::lock_guard lock(mutex_);
-    if (!infos[i].valid_data || infos[i].instance_state != DDS_IST_ALIVE) {
-      readers_.erase(infos[i].instance_handle);
-      continue;
+    if (!is_alive(info)) {
+      readers_.erase(info.instance_handle);
+      return;
     }
-    readers_[infos[i].instance_handle] = {.topic = endpoint.topic_name,
-                                          .type = endpoint.type_name,
-                                          .requests = requests_of(endpoint.qos),
-                                          .guid = endpoint.key};
-  }
-  if (count > 0) {
-    dds_return_loan(subscriptions_, samples.data(), count);
-  }
+    readers_[info.instance_handle] = {.topic = endpoint.topic_name,
+                                      .type = endpoint.type_name,
+                                      .requests = requests_of(endpoint.qos),
+                                      .guid = endpoint.key};
+  });
 }
 
 void Graph::tell(const Writer& writer, bool alive) {

@@ -100,12 +100,6 @@ std::string dds_topic(const std::string& whole_topic) {
   return std::string(kTopicPrefix) + whole_topic;
 }
 
-std::string ros_topic(const std::string& dds_topic) {
-  const bool ours = dds_topic.starts_with(kTopicPrefix) && dds_topic.size() > kTopicPrefix.size() &&
-                    dds_topic[kTopicPrefix.size()] == '/';
-  return ours ? dds_topic.substr(kTopicPrefix.size()) : std::string();
-}
-
 std::string dds_type(const std::string& message_type) {
   const auto slash = message_type.find('/');
   return fmt::format("{}{}{}_", message_type.substr(0, slash), kTypeMiddle,

@@ -127,7 +127,7 @@ CommandEndpoint::~CommandEndpoint() = default;
 /// Called by any thread that stops the robot, which must never wait for a disk.
 void CommandEndpoint::publish(std::span<const double> values) {
   // A robot may have subscribed after begin_tick().
-  if (waits_for_guard_ && sink_.drives() && publisher_.has_subscribers()) {
+  if (waits_for_guard_ && sink_.drives() && publisher_.raw().has_subscribers()) {
     return;
   }
   const auto message = publisher_.publish(values);
@@ -140,7 +140,7 @@ void CommandEndpoint::publish(std::span<const double> values) {
 
 void CommandEndpoint::finish() {
   leave_to_guard_if_dead();
-  publisher_.drain();
+  publisher_.raw().drain();
   if (guard_) {
     guard_->done();
     // A session that has ended sends no stop command; then only the guard can stop the robot.
@@ -170,7 +170,7 @@ std::optional<command::StopReason> CommandEndpoint::lost_supervision(TimeNs now)
       break;
   }
   // Before the first command the robot stands still anyway, until the guard is connected to it.
-  const bool robot_subscribes = !waits_for_guard_ && publisher_.has_subscribers();
+  const bool robot_subscribes = !waits_for_guard_ && publisher_.raw().has_subscribers();
   return settings_.guard_required && !guard_->guards(robot_subscribes)
              ? std::optional(command::StopReason::unguarded)
              : std::nullopt;
@@ -226,8 +226,8 @@ void CommandEndpoint::end_tick() {
 command::Condition CommandEndpoint::condition() const {
   command::Condition condition = sink_.condition();
   using enum command::Condition::Level;
-  if (condition.level == ok && !publisher_.has_subscribers()) {
-    const std::string misfit = publisher_.misfit();
+  if (condition.level == ok && !publisher_.raw().has_subscribers()) {
+    const std::string misfit = publisher_.raw().misfit();
     return {warning, misfit.empty() ? "no subscriber on '" + topic_ + "'"
                                     : "a subscriber of '" + topic_ + "' asks for " + misfit};
   }
@@ -243,7 +243,7 @@ bool CommandEndpoint::may_begin() {
   if (!waits_for_guard_) {
     return true;
   }
-  if (!publisher_.has_subscribers()) {
+  if (!publisher_.raw().has_subscribers()) {
     met_at_ = 0;
     return true;
   }
@@ -273,12 +273,12 @@ void CommandEndpoint::check_subscribers() {
   }
   checked_at_ = now;
   driven_since_ = driven_since_ == 0 ? now : driven_since_;
-  const bool subscribed = publisher_.has_subscribers();
+  const bool subscribed = publisher_.raw().has_subscribers();
   const auto other = subscriber_of_other_type(session_, topic_, settings_.message_type);
   if (now - driven_since_ < kPatience) {
     return;
   }
-  const std::string misfit = publisher_.misfit();
+  const std::string misfit = publisher_.raw().misfit();
   if (!misfit.empty() && !std::exchange(told_misfit_, true)) {
     log::warning(
         "a subscriber of '{}' gets no command: it asks for {}; '{} info -v {}' names it: give it "

@@ -88,7 +88,7 @@ struct EventSensor::Impl {
   }
 
   /// In the loop: says once that the latency is too short for the messages.
-  void mind_lateness() {
+  void warn_of_lateness() {
     if (told_late || playback.late() == 0) {
       return;
     }
@@ -140,7 +140,7 @@ void EventSensor::receive(const Step& step) {
   impl_->reader.check(simulated ? std::optional(begin) : std::nullopt);
   impl_->take_arrivals(begin);
   step.spike_output().emit(impl_->playback.step(impl_->fresh, step.interval()));
-  impl_->mind_lateness();
+  impl_->warn_of_lateness();
   if (!impl_->fresh.empty()) {
     const SignalOutput data_stamp = step.signal_output();
     data_stamp.values()[0] = to_seconds(simulated ? begin : impl_->newest_at);

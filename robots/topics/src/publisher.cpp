@@ -110,20 +110,8 @@ std::span<const std::byte> Publisher::publish(std::span<const double> values) {
   return impl_->bytes;
 }
 
-bool Publisher::has_subscribers() const {
-  return impl_->publisher->has_subscribers();
-}
-
-std::string Publisher::misfit() const {
-  return impl_->publisher->misfit();
-}
-
-void Publisher::drain() const {
-  impl_->publisher->drain();
-}
-
-bool Publisher::deliver() const {
-  return impl_->publisher->deliver();
+const RawPublisher& Publisher::raw() const {
+  return *impl_->publisher;
 }
 
 }  // namespace spikeloop::topics

@@ -99,19 +99,19 @@ void TopicReader::report_other_types() const {
 }
 
 /// Packets come, or announcements, and no message.
-bool TopicReader::nothing_arrives_whole() {
+bool TopicReader::all_messages_incomplete() {
   looked_at_ = wall_now();
   return lost().value_or(0) > 0 && has_publishers();
 }
 
 /// Warns once if a large part of the messages is lost. A loop that was suspended lost them itself.
-void TopicReader::mind_loss() {
+void TopicReader::warn_of_loss() {
   const TimeNs now = wall_now();
-  if (told_loss_ || now - minded_loss_at_ < kLook) {
+  if (warned_of_loss_ || now - loss_checked_at_ < kLook) {
     return;
   }
-  const bool suspended = now - minded_loss_at_ > kSuspension;
-  minded_loss_at_ = now;
+  const bool suspended = now - loss_checked_at_ > kSuspension;
+  loss_checked_at_ = now;
   const Window current{.begin = now, .received = received_, .lost = lost().value_or(0)};
   const std::uint64_t lost = current.lost - window_.lost;
   const std::uint64_t sent = current.received - window_.received + lost;
@@ -126,7 +126,7 @@ void TopicReader::mind_loss() {
   if (lost * kLargePart < sent) {
     return;
   }
-  told_loss_ = true;
+  warned_of_loss_ = true;
   const std::string text =
       fmt::format("topic '{}': {} of {} messages were lost", topic_, lost, sent);
   if (subscriber_->dropped_packets() > 0) {
@@ -143,10 +143,10 @@ void TopicReader::mind_loss() {
   }
 }
 
-void TopicReader::mind_silence(TimeNs now, TimeNs newest_at) {
+void TopicReader::warn_if_silent(TimeNs now, TimeNs newest_at) {
   started_ = started_ == 0 ? now : started_;
   if (newest_at == 0 && wall_now() - looked_at_ >= kLook) {
-    nothing_arrives_whole();  // what is announced counts from the first look on
+    all_messages_incomplete();  // what is announced counts from the first look on
   }
   bool& told = newest_at == 0 ? told_nothing_came_ : told_nothing_comes_;
   if (told || (newest_at != 0 && subscriber_->latched()) ||
@@ -155,7 +155,7 @@ void TopicReader::mind_silence(TimeNs now, TimeNs newest_at) {
     return;
   }
   told = true;
-  if (newest_at == 0 && nothing_arrives_whole()) {
+  if (newest_at == 0 && all_messages_incomplete()) {
     log::warning(
         "topic '{}' has a publisher, but no message of it arrives whole; give the system a larger "
         "receive buffer: sysctl -w net.core.rmem_max=8388608",
@@ -187,14 +187,14 @@ void TopicReader::require_sound() const {
 
 void TopicReader::check(std::optional<TimeNs> simulated) {
   require_sound();
-  mind_loss();
+  warn_of_loss();
   TimeNs newest_at = 0;
   {
     const std::lock_guard lock(mutex_);
     newest_at = newest_at_;
   }
   if (!simulated) {
-    mind_silence(wall_now(), newest_at);
+    warn_if_silent(wall_now(), newest_at);
     return;
   }
   const TimeNs now = *simulated + 1;  // 0: none has come
@@ -202,7 +202,19 @@ void TopicReader::check(std::optional<TimeNs> simulated) {
     noticed_ = newest_at;
     noticed_at_ = now;
   }
-  mind_silence(now, noticed_at_);
+  warn_if_silent(now, noticed_at_);
+}
+
+bool TopicSource::has_publishers() const {
+  return reader().has_publishers();
+}
+
+std::uint64_t TopicSource::received() const {
+  return reader().received();
+}
+
+void TopicSource::require_sound() const {
+  reader().require_sound();
 }
 
 bool TopicSource::has_publishers() const {

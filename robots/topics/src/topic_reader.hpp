@@ -37,8 +37,8 @@ struct TopicReaderSettings {
 class TopicReader {
  public:
   /// Called in the session's thread the moment a message has arrived, with the time of the
-  /// monotonic clock. Returns the warnings to log. What it throws ends the run; a ConfigurationError
-  /// without a location gets the name of the topic.
+  /// monotonic clock. Returns the warnings to log. What it throws ends the run; a
+  /// ConfigurationError without a location gets the name of the topic.
   using Take = std::function<std::vector<std::string>(std::span<const std::byte>, TimeNs now)>;
 
   /// @throws ConfigurationError for an unknown type or an impossible topic.
@@ -63,9 +63,9 @@ class TopicReader {
  private:
   void receive(std::span<const std::byte> message);
   void report_other_types() const;
-  void mind_silence(TimeNs now, TimeNs newest_at);
-  bool nothing_arrives_whole();
-  void mind_loss();
+  void warn_if_silent(TimeNs now, TimeNs newest_at);
+  bool all_messages_incomplete();
+  void warn_of_loss();
 
   Session& session_;
   TopicReaderSettings settings_;
@@ -89,8 +89,8 @@ class TopicReader {
     std::uint64_t lost = 0;
   };
   Window window_{};
-  TimeNs minded_loss_at_ = 0;
-  bool told_loss_ = false;
+  TimeNs loss_checked_at_ = 0;
+  bool warned_of_loss_ = false;
   bool told_nothing_came_ = false;
   bool told_nothing_comes_ = false;
   std::unique_ptr<RawSubscriber> subscriber_;  // last: what its callbacks use is there before it

@@ -42,8 +42,6 @@ class TopicNames {
 /// "rt/arena/scan": a topic's name in DDS. @throws ConfigurationError when it is too long for
 /// ROS 2.
 std::string dds_topic(const std::string& whole_topic);
-/// "/arena/scan" of "rt/arena/scan"; empty when it is none of ROS 2's.
-std::string ros_topic(const std::string& dds_topic);
 /// "sensor_msgs::msg::dds_::LaserScan_" of "sensor_msgs/LaserScan".
 std::string dds_type(const std::string& message_type);
 /// The way back; any other name as it is.

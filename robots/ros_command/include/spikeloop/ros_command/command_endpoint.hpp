@@ -50,9 +50,9 @@ class CommandEndpoint : private command::CommandSink::Transport {
   const std::string& node() const { return settings_.process; }
 
   /// True if the robot and the guard are connected. To be called from the loop's thread.
-  bool has_subscribers() { return publisher_.has_subscribers() && may_begin(); }
+  bool has_subscribers() { return publisher_.raw().has_subscribers() && may_begin(); }
   /// As topics::RawPublisher::deliver.
-  bool deliver() const { return publisher_.deliver(); }
+  bool deliver() const { return publisher_.raw().deliver(); }
   /// Number of messages that were sent, stop commands included.
   std::uint64_t sent() const { return count_; }
   /// Null if a stop holds no measured position.

@@ -32,13 +32,7 @@ class Publisher {
   std::vector<std::byte> message(std::span<const double> values) const;
   /// Sends that; as RawPublisher::publish. Returns its bytes, until the next one is sent.
   std::span<const std::byte> publish(std::span<const double> values);
-  bool has_subscribers() const;
-  /// As RawPublisher::misfit.
-  std::string misfit() const;
-  /// As RawPublisher::drain.
-  void drain() const;
-  /// As RawPublisher::deliver.
-  bool deliver() const;
+  const RawPublisher& raw() const;
 
  private:
   struct Impl;
