@@ -117,7 +117,7 @@ TEST(Ros2Session, names_the_limit_of_a_full_domain) {
   }
   EXPECT_EQ(
       test::error_of<TransportError>([&] { Session({.node_name = "brain", .place = place}); }),
-      "domain 232 of ROS 2 has reached its limit of 63 participants on this machine exist; end "
+      "domain 232 of ROS 2 has reached its limit of 63 participants on this machine; end "
       "other programs of the domain, or set another ROS_DOMAIN_ID [SL0604]");
 }
 
