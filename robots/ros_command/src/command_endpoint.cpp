@@ -218,6 +218,9 @@ bool CommandEndpoint::begin_tick(TimeNs end) {
 void CommandEndpoint::end_tick() {
   keep_sent();
   topics_->report_other_types();
+  if (positions_) {
+    positions_->report_other_types();
+  }
   if (count_ != 0 && !session_.local()) {
     check_subscribers();
   }

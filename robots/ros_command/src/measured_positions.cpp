@@ -37,12 +37,13 @@ MeasuredPositions::MeasuredPositions(topics::Session& session,
                           .message_type = kJointStateType,
                           .queue = all ? 0U : 1U,
                           .take = [this](auto message) { take(message); },
-                          .refuse =
-                              [this](const topics::OtherType& other) {
-                                if (!warned_.exchange(true)) {
-                                  log::warning("{}; a stop holds the last command", other.text);
-                                }
-                              }});
+                          .refuse = [this](const auto& other) { other_types_.add(other); }});
+}
+
+void MeasuredPositions::report_other_types() {
+  while (const auto other = other_types_.take()) {
+    log::warning("{}; a stop holds the last command", other->text);
+  }
 }
 
 void MeasuredPositions::take(std::span<const std::byte> message) {

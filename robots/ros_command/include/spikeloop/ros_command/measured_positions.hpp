@@ -12,6 +12,7 @@
 
 #include "spikeloop/command/command_sink.hpp"
 #include "spikeloop/messages/field_path.hpp"
+#include "spikeloop/topics/other_types.hpp"
 #include "spikeloop/topics/session.hpp"
 
 namespace spikeloop::ros_command {
@@ -29,6 +30,8 @@ class MeasuredPositions {
   bool has_publishers() const { return subscriber_->has_publishers(); }
   /// Messages that were received.
   std::uint64_t received() const { return received_.load(); }
+  /// Warns of publishers of another type; each once. To be called from the loop's thread.
+  void report_other_types();
 
  private:
   void take(std::span<const std::byte> message);
@@ -39,6 +42,7 @@ class MeasuredPositions {
   std::vector<double> positions_;  ///< of the newest message; NaN: not in it
   std::atomic<std::uint64_t> received_{0};
   std::atomic<bool> warned_{false};
+  topics::OtherTypes other_types_;
   std::unique_ptr<topics::RawSubscriber> subscriber_;  ///< the last: it uses all the rest
 };
 
