@@ -217,16 +217,4 @@ void TopicSource::require_sound() const {
   reader().require_sound();
 }
 
-bool TopicSource::has_publishers() const {
-  return reader().has_publishers();
-}
-
-std::uint64_t TopicSource::received() const {
-  return reader().received();
-}
-
-void TopicSource::require_sound() const {
-  reader().require_sound();
-}
-
 }  // namespace spikeloop::topics
