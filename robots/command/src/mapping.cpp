@@ -90,8 +90,13 @@ constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 class CommandMapNode : public Node {
  public:
-  explicit CommandMapNode(std::vector<CommandField> components)
-      : components_(std::move(components)) {}
+  explicit CommandMapNode(const std::vector<CommandField>& components) {
+    for (const CommandField& field : components) {
+      components_.push_back({field.channel, field.scale, field.offset,
+                             field.minimum.value_or(-kUnlimited),
+                             field.maximum.value_or(kUnlimited)});
+    }
+  }
 
   void step(const Step& step) override {
     const SignalInput in = step.signal_input();
@@ -105,19 +110,21 @@ class CommandMapNode : public Node {
       return;
     }
     auto value = out.values().begin();
-    for (const CommandField& component : components_) {
-      const double channel = in.values[component.channel];
+    for (const auto& [index, scale, offset, minimum, maximum] : components_) {
+      const double channel = in.values[index];
       // An infinite channel is a fault, which limits must not hide.
-      *value++ = std::isfinite(channel) ? std::clamp(component.scale * channel + component.offset,
-                                                     component.minimum.value_or(-kUnlimited),
-                                                     component.maximum.value_or(kUnlimited))
-                                        : channel;
+      *value++ =
+          std::isfinite(channel) ? std::clamp(scale * channel + offset, minimum, maximum) : channel;
     }
     out.commit();
   }
 
  private:
-  std::vector<CommandField> components_;
+  struct Component {
+    std::uint32_t channel;
+    double scale, offset, minimum, maximum;
+  };
+  std::vector<Component> components_;
   std::uint64_t revision_ = 0;
 };
 

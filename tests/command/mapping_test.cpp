@@ -32,14 +32,14 @@ std::vector<double> map_by_node(const std::vector<CommandField>& map,
   return values;
 }
 
-TEST(ComponentMap, scales_and_limits) {
+TEST(CommandMap, scales_and_limits) {
   const std::vector<CommandField> map = {
       {"x", 1, 0.5, 0.1}, {"y", 0, 1, 0, -0.2, 0.3}, {"z", 0, 2, 0}};
   EXPECT_THAT(map_by_node(map, {0.9, -1}), ElementsAre(DoubleEq(-0.4), 0.3, DoubleEq(1.8)));
   EXPECT_THAT(deadbands(map, 0.01), ElementsAre(DoubleEq(0.01), DoubleEq(0.005), DoubleEq(0.04)));
 }
 
-TEST(ComponentMap, limits_hide_no_fault) {
+TEST(CommandMap, limits_hide_no_fault) {
   const std::vector<CommandField> map = {{"x", 0, 1, 0, -1, 1}, {"y", 1, 1, 0, -1, 1}};
   EXPECT_THAT(map_by_node(map, {kInf, std::nan("")}), ElementsAre(kInf, IsNan()));
 }
