@@ -26,7 +26,7 @@ ContactCounter::ContactCounter(topics::Session& session)
                                       .message_type = kContactsType,
                                       .queue = 10,  // a short contact is in one message alone
                                       .take = [this](auto message) { take(message); },
-                                      .refuse = [](const auto&) {}})) {}  // why: odometry_log.cpp
+                                      .refuse = [](const auto&) {}})) {}
 
 /// In the session's thread.
 void ContactCounter::take(std::span<const std::byte> message) {

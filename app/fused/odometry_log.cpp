@@ -44,8 +44,7 @@ OdometryLog::OdometryLog(topics::Session& session, std::string folder, WriteFail
       subscriber_(session.subscriber({.topic = kOdometryTopic,
                                       .message_type = kOdometryType,
                                       .take = [this](auto message) { take(message); },
-                                      // Another type is for the experiment's own sensors to tell;
-                                      // over ROS 1 they would not get it if this asked for one.
+                                      // The experiment's sensors report another type.
                                       .refuse = [](const auto&) {}})) {}
 
 /// In the session's thread.

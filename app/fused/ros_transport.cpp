@@ -31,12 +31,11 @@ RosTransport::RosTransport(const experiment::Experiment& experiment, const std::
                                .arguments = topics::read_ros_arguments(ros_arguments)},
                               experiment.dialect})),
       rosout_(*session_),
-      waiting_(surroundings) {
+      waiting_(surroundings),
+      folder_(folder),
+      failures_(failures) {
   if (experiment.sync == Sync::lockstep) {
     robot_.emplace(*session_, experiment.tick, waiting_);
-  } else if (!experiment.robot && !folder.empty()) {
-    // The simulated robot writes trajectory.csv itself.
-    odometry_.emplace(*session_, folder, failures);
   }
 }
 
@@ -76,6 +75,15 @@ void RosTransport::add(const std::string& topic, ros_command::CommandEndpoint& c
                           [positions] { return positions->has_publishers(); },
                           [positions] { return positions->received(); }, [] {}});
     }
+  }
+}
+
+/// The experiment's sensors have subscribed: over ROS 1 the first subscription of a process
+/// determines the type of a topic.
+void RosTransport::endpoints_added() {
+  // The simulated robot writes trajectory.csv itself.
+  if (!robot_ && !experiment_.robot && !folder_.empty()) {
+    odometry_.emplace(*session_, folder_, failures_);
   }
 }
 

@@ -35,6 +35,7 @@ class RosTransport : public fused::Transport {
   void arrived() override;
   void add(const std::string& topic, const topics::TopicSource& sensor) override;
   void add(const std::string& topic, ros_command::CommandEndpoint& command) override;
+  void endpoints_added() override;
   std::unique_ptr<Pacer> pacer() override;
   void begin(TimeNs time) override;
   void end(TimeNs time) override;
@@ -48,6 +49,8 @@ class RosTransport : public fused::Transport {
   status::TerminationHook on_termination_{[this] { session_->leave(); }};  // the last of all
   topics::Rosout rosout_;
   Waiting waiting_;
+  std::string folder_;
+  WriteFailures& failures_;
   std::optional<OdometryLog> odometry_;
   std::optional<SteppingLink> robot_;  ///< with sync: lockstep
   std::vector<ros_command::CommandEndpoint*> commands_;

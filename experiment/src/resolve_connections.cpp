@@ -148,21 +148,36 @@ void take_connections(const GraphPlan& plan, const ExperimentFile& file,
   }
 }
 
-/// Messages of changing length are read as far as they fit, but not pixels of images.
-bool may_differ(const Node& node, const Trial& trial) {
-  return node.kind == kRosSensor && !takes_picture(node.parameters) && trial.length_changes &&
-         trial.length_changes(node);
+messages::SensorConversion sensor_conversion(const Node& node, const Experiment& experiment,
+                                             bool strict) {
+  const std::string& type = node.parameters.text("message");
+  return {messages::Catalog::for_type(experiment.dialect, type), type,
+          sensing::sensor_rule(node.parameters), experiment.width(node.name, "out"), strict};
+}
+
+/// Messages of changing length are read as far as they fit, but not pixels of images. Of a default
+/// position as many values are read as the port has channels.
+bool may_differ(const Node& node, const Experiment& experiment, const Trial& trial) {
+  if (node.kind != kRosSensor || takes_picture(node.parameters)) {
+    return false;
+  }
+  return (trial.length_changes && trial.length_changes(node)) ||
+         sensor_conversion(node, experiment, false).width() == experiment.width(node.name, "out");
 }
 
 void check_against_robot(const Node& node, const Experiment& experiment, const Trial& trial) {
   std::uint32_t values = 0;
   try {
     values = trial.sensor_width ? trial.sensor_width(node).value_or(0) : 0;
-  } catch (const Error&) {  // the run reports it
+  } catch (const Error&) {
+    if (!experiment.robot || experiment.robot->bag.empty()) {
+      throw;
+    }
+    // The run reports a message of a recording that cannot be read.
   }
   for (const Connection& connection : experiment.connections) {
     if (node_of(connection.from) == node.name && values != 0 && values != connection.width &&
-        !may_differ(node, trial)) {
+        !may_differ(node, experiment, trial)) {
       throw ConfigurationError(
           connection.where,
           with_code(
@@ -207,13 +222,8 @@ void check_node(const Node& node, const Experiment& experiment, const Trial& tri
     }
   } else if (node.kind == kRosSensor) {
     check_against_robot(node, experiment, trial);
-    located_at(sensing::place_of_rule(node.parameters), [&] {
-      const std::string& type = node.parameters.text("message");
-      messages::SensorConversion(messages::Catalog::for_type(experiment.dialect, type), type,
-                                 sensing::sensor_rule(node.parameters),
-                                 experiment.width(node.name, "out"), true);
-      return 0;
-    });
+    located_at(sensing::place_of_rule(node.parameters),
+               [&] { return sensor_conversion(node, experiment, true); });
   } else if (node.kind == kRosEventSensor) {
     check_against_robot(node, experiment, trial);
     check_events(node, experiment);

@@ -247,6 +247,7 @@ struct Run::Impl {
       surroundings.view = &*view;
     }
     assembly.emplace(experiment, surroundings, options);
+    transport.endpoints_added();
     if (view) {
       view->take_commands(assembly->commands());
       view->take_graph(assembly->graph());

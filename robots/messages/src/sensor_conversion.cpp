@@ -30,7 +30,7 @@ SensorConversion::SensorConversion(const Catalog& catalog, std::string_view type
       initial_(initial),
       channels_(width, initial.value_or(std::numeric_limits<double>::quiet_NaN())),
       seen_(width, Seen::nothing) {
-  const std::optional<std::size_t> known = reading_->width();
+  const std::optional<std::size_t> known = this->width();
   if (strict && known && *known != width) {
     throw ConfigurationError(with_code(Code::fields_differ,
                                        "a {} gives {} values, but the port has {} channels; write "
@@ -41,6 +41,10 @@ SensorConversion::SensorConversion(const Catalog& catalog, std::string_view type
 
 SensorConversion::~SensorConversion() = default;
 SensorConversion::SensorConversion(SensorConversion&&) noexcept = default;
+
+std::optional<std::size_t> SensorConversion::width() const {
+  return reading_->width();
+}
 
 std::uint32_t SensorConversion::count(const Catalog& catalog, std::string_view type,
                                       const SensorRule& rule, std::span<const std::byte> message) {

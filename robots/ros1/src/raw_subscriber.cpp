@@ -58,6 +58,15 @@ bool Receiver::refuse_other_type(const PublisherHeader& publisher) {
   return true;
 }
 
+void Receiver::refuse_conflict() const {
+  if (wanted_.refuse) {
+    wanted_.refuse({.type = "",
+                    .text = fmt::format("topic '{}' is subscribed as {} and as another type by one "
+                                        "process, and a topic of ROS 1 has one type",
+                                        wanted_.topic, type_)});
+  }
+}
+
 RawSubscriber::RawSubscriber(ros::NodeHandle& node, topics::Subscription subscription) {
   topics::check_topic(messages::Dialect::ros1, subscription.topic);
   receiver_ = std::make_shared<Receiver>(std::move(subscription));
@@ -72,7 +81,12 @@ RawSubscriber::RawSubscriber(ros::NodeHandle& node, topics::Subscription subscri
   options.datatype = receiver_->type();
   options.md5sum = receiver_->md5();
   options.transport_hints = ros::TransportHints().tcpNoDelay();
-  subscriber_ = node.subscribe(options);
+  try {
+    subscriber_ = node.subscribe(options);
+  } catch (const ros::ConflictingSubscriptionException&) {
+    receiver_->refuse_conflict();
+    return;
+  }
   if (!subscriber_ && ros::ok()) {
     throw TransportError(
         with_code(Code::no_ros_master,

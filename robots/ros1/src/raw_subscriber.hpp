@@ -32,6 +32,8 @@ class Receiver {
   /// Reports a publisher that has another type, or another version of this one.
   /// @return true if it has
   bool refuse_other_type(const PublisherHeader& publisher);
+  /// Reports that this process subscribes to the topic with another type.
+  void refuse_conflict() const;
   /// Waits for a callback that is running; none runs afterwards.
   void close();
 

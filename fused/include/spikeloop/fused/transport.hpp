@@ -33,6 +33,8 @@ class Transport {
   /// Told of every endpoint, before the loop begins; they live as long as it runs.
   virtual void add(const std::string& /*topic*/, const topics::TopicSource& /*sensor*/) {}
   virtual void add(const std::string& /*topic*/, ros_command::CommandEndpoint& /*command*/) {}
+  /// Called once, after all calls of add().
+  virtual void endpoints_added() {}
 
   /// The robot's clock, with sync: sim_time; as all that waits here, it comes back when the run is
   /// to stop.

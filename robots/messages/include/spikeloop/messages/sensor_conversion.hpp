@@ -61,6 +61,10 @@ class SensorConversion {
   ~SensorConversion();
   SensorConversion(SensorConversion&&) noexcept;
 
+  /// Number of values of every message for a port of this width; nullopt if each message has its
+  /// own number.
+  std::optional<std::size_t> width() const;
+
   /// Number of values that this message has for a sensor. 0: it has no value, and the number
   /// differs from message to message.
   /// @throws ConfigurationError as the constructor; TransportError when it cannot be read.
