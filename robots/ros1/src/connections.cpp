@@ -172,7 +172,10 @@ std::vector<Link> missing_links(const std::string& self) {
   std::vector<Link> links;
   const auto add = [&](const std::string& topic, bool publishers) {
     for (const std::string& node : nodes_of(state[publishers ? 0 : 1], topic)) {
-      const std::string uri = node == self ? "" : uri_of(self, node);
+      if (node == self && !publishers) {
+        continue;  // the subscription is the same link
+      }
+      const std::string uri = uri_of(self, node);
       if (!uri.empty() &&
           !has_connection(own, publishers ? uri : node, topic, publishers ? "i" : "o")) {
         links.push_back({publishers, topic, node, uri});
