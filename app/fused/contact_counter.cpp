@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "optional_subscriber.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/catalog.hpp"
 
@@ -22,11 +23,12 @@ messages::TextField name_field(const topics::Session& session, const char* path)
 ContactCounter::ContactCounter(topics::Session& session)
     : first_(name_field(session, "states.collision1_name")),
       second_(name_field(session, "states.collision2_name")),
-      subscriber_(session.subscriber({.topic = kContactsTopic,
-                                      .message_type = kContactsType,
-                                      .queue = 10,  // a short contact is in one message alone
-                                      .take = [this](auto message) { take(message); },
-                                      .refuse = [](const auto&) {}})) {}
+      subscriber_(
+          optional_subscriber(session, {.topic = kContactsTopic,
+                                        .message_type = kContactsType,
+                                        .queue = 10,  // a short contact is in one message alone
+                                        .take = [this](auto message) { take(message); },
+                                        .refuse = [](const auto&) {}})) {}
 
 /// In the session's thread.
 void ContactCounter::take(std::span<const std::byte> message) {

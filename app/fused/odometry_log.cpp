@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "optional_subscriber.hpp"
 #include "spikeloop/core/error.hpp"
 #include "spikeloop/messages/catalog.hpp"
 
@@ -41,11 +42,11 @@ OdometryLog::OdometryLog(topics::Session& session, std::string folder, WriteFail
       failures_(failures),
       contacts_(session),
       fields_(readers(session.dialect())),
-      subscriber_(session.subscriber({.topic = kOdometryTopic,
-                                      .message_type = kOdometryType,
-                                      .take = [this](auto message) { take(message); },
-                                      // The experiment's sensors report another type.
-                                      .refuse = [](const auto&) {}})) {}
+      subscriber_(optional_subscriber(session, {.topic = kOdometryTopic,
+                                                .message_type = kOdometryType,
+                                                .take = [this](auto message) { take(message); },
+                                                // The experiment's sensors report another type.
+                                                .refuse = [](const auto&) {}})) {}
 
 /// In the session's thread.
 void OdometryLog::take(std::span<const std::byte> message) {
