@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <chrono>
+#include <cstddef>
 #include <utility>
 
 #include "spikeloop/core/code.hpp"
@@ -20,6 +21,8 @@ using stepping::Request;
 constexpr TimeNs kFirstWord = 3 * kNsPerSecond;  // wall time
 constexpr TimeNs kRepeat = kNsPerSecond;
 constexpr std::uint32_t kAll = 0;
+constexpr TimeNs kDiscovery =
+    5 * kNsPerSecond;                // wall time; Fast DDS repeats what was lost after 3 s
 constexpr int kMostDeliveries = 20;  // calls of deliver(), each at most 100 ms
 
 /// No other run with this robot has it.
@@ -116,6 +119,9 @@ void SteppingLink::begin() {
   }
   begun_ = true;
   ask(request);
+  if (const std::optional<Answer> given = answer(); given && !given->subscribers.empty()) {
+    await_subscribers(given->subscribers);
+  }
 }
 
 /// Waits until everybody is connected.
@@ -139,6 +145,37 @@ bool SteppingLink::meet() {
           log::warning("sync: lockstep waits for {}; see docs/stepping.md", missing);
         }
       });
+}
+
+std::string SteppingLink::missing_subscribers(const stepping::Counts& expected) const {
+  std::vector<std::string> missing;
+  for (const SteppedTopic& topic : commands_) {
+    const auto found = expected.find(topic.name);
+    const std::size_t known = session_.subscribers(topic.name).size();
+    if (found != expected.end() && known < found->second) {
+      missing.push_back(fmt::format("{} of {} subscribers of {}", found->second - known,
+                                    found->second, topic.name));
+    }
+  }
+  return fmt::format("{}", fmt::join(missing, ", "));
+}
+
+/// Waits until as many subscribers of each command are known as to the program that steps the
+/// simulator. That program meets the experiment first if the discovery of the simulator is late;
+/// the simulator would then step without commands.
+void SteppingLink::await_subscribers(const stepping::Counts& expected) {
+  bool late = false;
+  waiting_.until([&] { return late || missing_subscribers(expected).empty(); },
+                 [&](TimeNs waited) {
+                   require_sound();
+                   late = waited > kDiscovery;
+                 });
+  if (late) {
+    log::warning(
+        "{} cannot be found; the simulator may step without commands, and runs may differ. Has a "
+        "program that subscribes to them been killed?",
+        missing_subscribers(expected));
+  }
 }
 
 /// Waits until all reliable subscribers have confirmed the commands. A simulator steps with the

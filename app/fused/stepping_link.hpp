@@ -47,6 +47,8 @@ class SteppingLink {
 
  private:
   bool meet();
+  void await_subscribers(const stepping::Counts& expected);
+  std::string missing_subscribers(const stepping::Counts& expected) const;
   void deliver_commands();
   void ask(const stepping::Request& request);
   void repeat(const stepping::Request& request, TimeNs waited);

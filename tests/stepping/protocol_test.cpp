@@ -16,6 +16,7 @@ using test::error_of;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::EndsWith;
+using testing::IsEmpty;
 using testing::StartsWith;
 
 // The texts of docs/stepping.md.
@@ -56,6 +57,10 @@ TEST(Protocol, Answers) {
   const Answer read = read_answer(to_text(answer));
   EXPECT_EQ(read.time, 3);
   EXPECT_EQ(read.published, answer.published);
+  EXPECT_THAT(read.subscribers, IsEmpty());
+  EXPECT_EQ(
+      read_answer(R"({"time_ns": 0, "published": {}, "subscribers": {"/go": 2}})").subscribers,
+      (Counts{{"/go", 2}}));
   EXPECT_EQ(read_answer(to_text({.error = "no \"fuel\""})).error, "no \"fuel\"");
 }
 
@@ -71,7 +76,8 @@ TEST(Protocol, WhatIsNoMessageOfItIsNamed) {
                 wrong("/spikeloop/step", text));
   }
   for (const std::string text : {"{'time_ns': 0}", R"({"time_ns": 0})", R"({"error": 3})",
-                                 R"({"time_ns": 0, "published": {"/scan": "one"}})"}) {
+                                 R"({"time_ns": 0, "published": {"/scan": "one"}})",
+                                 R"({"time_ns": 0, "published": {}, "subscribers": 2})"}) {
     EXPECT_THAT(error_of<TransportError>([&] { read_answer(text); }),
                 wrong("/spikeloop/stepped", text));
   }

@@ -88,6 +88,7 @@ Answer read_answer(std::string_view text) {
     answer.time = object.at("time_ns").get<TimeNs>();
     answer.published = object.at("published").get<Counts>();
     answer.at_least = is_set(object, "at_least");
+    answer.subscribers = object.value("subscribers", Counts{});
     return answer;
   });
 }

@@ -42,6 +42,9 @@ struct Answer {
   Counts published{};
   /// More messages may come than were counted; who answers for a simulator knows what has come.
   bool at_least = false;
+  /// To `begin`, of a program that steps a simulator: number of nodes that subscribe to each
+  /// command. Empty if unknown.
+  Counts subscribers{};
   std::string error{};  ///< why it cannot; empty: all is well
 };
 
