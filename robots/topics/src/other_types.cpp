@@ -7,8 +7,9 @@
 namespace spikeloop::topics {
 namespace {
 
-/// Time in which the name of a node follows its type; nodes of plain DDS have none.
-constexpr TimeNs kIntroduction = kNsPerSecond / 2;
+/// Time in which the name of a node follows its type: with Fast DDS often more than 1 s. Nodes of
+/// plain DDS have no name.
+constexpr TimeNs kIntroduction = 1'800'000'000;
 
 }  // namespace
 
