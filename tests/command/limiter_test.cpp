@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "spikeloop/command/mapping.hpp"
@@ -67,6 +68,14 @@ TEST(Limiter, after_a_stop_the_way_of_a_position_starts_where_it_is_held) {
   const bool may_stand = true;
   EXPECT_THAT(limiter.shape(zero, 1000 * kMs, may_stand), ElementsAre(0.5))
       << "position 0 is no stop, so that the limits apply";
+}
+
+TEST(Limiter, a_position_that_is_not_known_is_no_zero) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  Limiter limiter({{.minimum = 0.4, .maximum = 1, .slew = 0.1}, {.slew = 1}}, 2);
+  limiter.restart(std::vector{nan, 0.0}, 0);
+  EXPECT_THAT(shape(limiter, {0.5, 1}, 100 * kMs), ElementsAre(0.5, 0.1));
+  EXPECT_THAT(shape(limiter, {0.6, 1}, 200 * kMs), ElementsAre(testing::DoubleEq(0.51), 0.2));
 }
 
 TEST(Limiter, a_clock_that_goes_back_moves_nothing) {

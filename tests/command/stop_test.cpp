@@ -113,6 +113,17 @@ TEST_F(StopTest, the_way_back_starts_where_the_joint_is_held) {
   EXPECT_THAT(sent_.back(), ElementsAre(testing::DoubleEq(0.5), testing::DoubleEq(0.1)));
 }
 
+TEST_F(StopTest, the_first_way_starts_where_the_joint_is_measured) {
+  CommandSettings slow = settings();
+  slow.bounds = {{.slew = 1}, {.slew = 1}};
+  CommandChannel arm(slow, [this](auto sent) { sent_.emplace_back(sent.begin(), sent.end()); });
+  arm.stop(StopReason::no_value, 0);
+  arm.measure(values(0.4, kNan), 1000 * kMs);
+  arm.command(values(1, 1), 1010 * kMs);
+  arm.command(values(1, 1), 1110 * kMs);
+  EXPECT_THAT(sent_.back(), ElementsAre(testing::DoubleEq(0.5), testing::DoubleEq(0.1)));
+}
+
 TEST_F(StopTest, a_field_may_have_a_value_of_its_own) {
   std::vector<double> sent;
   CommandChannel drone({.gate = {.deadband = {0}}, .stops = {{.value = 0.5}}},

@@ -69,6 +69,15 @@ std::vector<double> CommandChannel::computed_stop(TimeNs now) const {
   return values;
 }
 
+/// The stop command, with positions that have been measured since the stop.
+std::vector<double> CommandChannel::known_stop(TimeNs now) const {
+  std::vector<double> values = computed_stop(now);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = std::isnan(stop_[i]) ? values[i] : stop_[i];
+  }
+  return values;
+}
+
 TimeNs CommandChannel::command(std::span<const double> values, TimeNs now) {
   if (!is_finite(values)) {
     return stop(is_unknown(values) ? StopReason::no_value : StopReason::not_finite, now);
@@ -202,7 +211,7 @@ TimeNs CommandChannel::drive(std::span<const double> values, TimeNs now) {
     resumed_ += state_ == State::idle ? 0 : 1;
     enter(State::running, now);
     gate_.forget();
-    limiter_.restart(stop_, now);
+    limiter_.restart(known_stop(now), now);
   }
   if (gate_.offer(limiter_.shape(values, now, overridden_), now)) {
     publish();

@@ -12,8 +12,7 @@ Limiter::Limiter(std::vector<Bounds> bounds, std::size_t components)
 }
 
 void Limiter::restart(std::span<const double> values, TimeNs now) {
-  std::ranges::transform(values, values_.begin(),
-                         [](double value) { return std::isfinite(value) ? value : 0.0; });
+  std::ranges::copy(values, values_.begin());
   time_ = now;
 }
 
@@ -29,7 +28,7 @@ std::span<const double> Limiter::shape(std::span<const double> values, TimeNs no
     }
     // Without a rate the value itself, not a sum that rounds.
     const double way = std::isfinite(bounds.slew) ? bounds.slew * elapsed : bounds.slew;
-    const bool reached = std::fabs(target - values_[i]) <= way;
+    const bool reached = !std::isfinite(values_[i]) || std::fabs(target - values_[i]) <= way;
     values_[i] = reached ? target : values_[i] + std::copysign(way, target - values_[i]);
   }
   if (cut) {

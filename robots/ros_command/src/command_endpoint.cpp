@@ -30,6 +30,9 @@ constexpr TimeNs kCheckPeriod = kNsPerSecond / 10;
 /// discover each other within two seconds.
 constexpr TimeNs kGuardPatience = 3 * kNsPerSecond;
 
+/// Time in which the first measured positions arrive.
+constexpr TimeNs kPositionPatience = kNsPerSecond;
+
 /// The message that stops the robot; empty if no position is known, so that nothing is sent.
 std::vector<std::byte> stop_message(const topics::Publisher& publisher,
                                     std::span<const double> values) {
@@ -207,7 +210,7 @@ nlohmann::json CommandEndpoint::summary() const {
 }
 
 bool CommandEndpoint::begin_tick(TimeNs end) {
-  if (!may_begin()) {
+  if (!may_begin() || awaits_position()) {
     return false;
   }
   ended_ = end;
@@ -266,6 +269,35 @@ bool CommandEndpoint::may_begin() {
   sink_.begin_anew();
   waits_for_guard_ = false;
   return true;
+}
+
+/// A slew rate of a joint's position begins at the measured position, whose first message may
+/// arrive after the first command is due.
+bool CommandEndpoint::awaits_position() {
+  if (!positions_ || positions_->received() != 0 ||
+      settings_.clock == command::CommandClock::lockstep) {
+    return false;
+  }
+  bool begins_at_measurement = false;
+  for (std::size_t i = 0; i < std::min(settings_.stops.size(), settings_.bounds.size()); ++i) {
+    begins_at_measurement = begins_at_measurement || (!settings_.stops[i].joint.empty() &&
+                                                      std::isfinite(settings_.bounds[i].slew));
+  }
+  if (!begins_at_measurement || told_no_position_) {
+    return false;
+  }
+  const TimeNs now = wall_now();
+  first_tick_ = first_tick_ == 0 ? now : first_tick_;
+  if (now - first_tick_ < kPositionPatience) {
+    return true;
+  }
+  told_no_position_ = true;
+  log::warning(
+      "no message on topic '{}' within {}, so the measured positions are unknown; the first "
+      "command "
+      "of '{}' moves the joints without 'slew'",
+      positions_->topic(), format_time(kPositionPatience), topic_);
+  return false;
 }
 
 /// Warns of subscribers that receive no command, and if there is none; each once.

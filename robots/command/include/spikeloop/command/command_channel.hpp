@@ -109,6 +109,7 @@ class CommandChannel {
   void publish();
   bool still_overridden(TimeNs now);
   std::vector<double> computed_stop(TimeNs now) const;
+  std::vector<double> known_stop(TimeNs now) const;
   TimeNs next_due() const;
 
   mutable std::mutex mutex_;

@@ -30,7 +30,8 @@ class Limiter {
   /// @param bounds one per component; fewer: the others have none
   Limiter(std::vector<Bounds> bounds, std::size_t components);
 
-  /// The robot is stopped by `values`, from which the next commands slew. NaN: from 0.
+  /// The robot is stopped by `values`, from which the next commands slew. NaN:
+  /// unknown, the next command is reached at once.
   void restart(std::span<const double> values, TimeNs now);
   /// Limits finite values. The result is valid until the next call.
   /// @param may_stand 0 is within all bounds: a person may always stop the robot

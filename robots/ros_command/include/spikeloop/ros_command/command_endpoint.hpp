@@ -69,6 +69,7 @@ class CommandEndpoint : private command::CommandSink::Transport {
   void keep_sent();
   void leave_to_guard_if_dead();
   bool may_begin();
+  bool awaits_position();
   void check_subscribers();
 
   topics::Session& session_;
@@ -79,7 +80,9 @@ class CommandEndpoint : private command::CommandSink::Transport {
   bool told_misfit_ = false;
   bool told_type_ = false;
   bool told_none_ = false;
-  TimeNs met_at_ = 0;  ///< wall time of the first check that found a subscriber; 0: none yet
+  bool told_no_position_ = false;
+  TimeNs first_tick_ = 0;  ///< wall time; 0: none yet
+  TimeNs met_at_ = 0;      ///< wall time of the first check that found a subscriber; 0: none yet
   std::atomic<bool> waits_for_guard_;
   topics::Publisher publisher_;
   topics::Keep keep_;
