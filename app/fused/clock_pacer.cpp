@@ -27,6 +27,10 @@ constexpr TimeNs kSilence = 3 * kNsPerSecond;  // wall time
 constexpr TimeNs kNone = -1;
 constexpr std::size_t kSteps = 11;  // intervals of /clock after which its period is known
 
+TimeNs rounded(TimeNs time, TimeNs unit) {
+  return (time + unit / 2) / unit * unit;
+}
+
 class ClockPacer : public Pacer {
  public:
   ClockPacer(topics::Session& session, TimeNs tick, Waiting& waiting, std::function<void()> alive)
@@ -48,6 +52,7 @@ class ClockPacer : public Pacer {
   void wait_until(TimeNs time) override {
     const auto shown = [&] { return newest_ != kNone && newest_ - first_ >= time; };
     told_ = false;
+    const bool first = newest_ == kNone;
     const bool goes_on = waiting_.until([&] { return went_back_ || shown(); },
                                         [&](TimeNs waited) { meanwhile(waited); });
     refuse_jump_back();
@@ -55,7 +60,8 @@ class ClockPacer : public Pacer {
       return;
     }
     if (told_) {
-      log::info("{} goes on", kTopic);
+      log::info("{}", first ? fmt::format("first message on {}", kTopic)
+                            : fmt::format("{} continues", kTopic));
     }
     if (report_.ticks++ == 0) {
       started_ = wall_now();
@@ -113,8 +119,8 @@ class ClockPacer : public Pacer {
   void compare_with_tick(TimeNs period) {
     compared_ = true;
     if (period > tick_ + tick_ / 2) {
-      log::info("{} comes every {}, a tick is {}: {} ticks are computed at a time", kTopic,
-                format_time(std::llround(to_seconds(period) * 1e6) * 1000), format_time(tick_),
+      log::info("{} has a period of {}, a tick is {}: {} ticks are computed at a time", kTopic,
+                format_time(rounded(period, kNsPerSecond / 1'000'000)), format_time(tick_),
                 format_rounded(static_cast<double>(period) / static_cast<double>(tick_), 3));
     }
   }
@@ -134,12 +140,12 @@ class ClockPacer : public Pacer {
   void refuse_lost_publisher(TimeNs waited) const {
     const TimeNs patience = waiting_.patience();
     if (newest_ != kNone && patience > 0 && waited > patience && !subscriber_->has_publishers()) {
-      throw TransportError(
-          with_code(Code::partner_failed,
-                    "{} stands still at {} for {}, and has no publisher any more: the "
-                    "simulator has ended, or the node that sends it; start it again, then the "
-                    "experiment",
-                    kTopic, format_time(newest_), format_time(patience)));
+      throw TransportError(with_code(
+          Code::partner_failed,
+          "{} stands still at {} for {}, and has no publisher any more: the "
+          "simulator has ended, or the node that sends it; start it again, then the "
+          "experiment",
+          kTopic, format_time(rounded(newest_, kNsPerSecond / 1000)), format_time(patience)));
     }
   }
 
@@ -163,14 +169,15 @@ class ClockPacer : public Pacer {
     const TimeNs patience = waiting_.start_patience();
     if (newest_ == kNone && waited > patience && !has_publisher()) {
       throw TransportError(with_code(Code::partner_missing,
-                                     "sync: sim_time: {} has brought no time within {}: {}", kTopic,
+                                     "sync: sim_time: no message on {} within {}: {}", kTopic,
                                      format_time(patience), reason_for_silence()));
     }
   }
 
   const char* reason_for_silence() const {
     if (session_.has_warned_of_unreachable_node(kTopic)) {
-      return "its publisher cannot be connected";
+      return "its publisher cannot be connected; start the simulator again, or do what the warning "
+             "above says";
     }
     return "it has no publisher; start the simulator, or write  sync: realtime";
   }
@@ -187,18 +194,18 @@ class ClockPacer : public Pacer {
     told_ = true;
     if (newest_ == kNone && has_publisher()) {
       log::warning(
-          "{} has a publisher and has brought no time for {}: is the simulator paused? The "
-          "experiment waits",
+          "no message on {} for {}, which has a publisher: is the simulator paused? The experiment "
+          "waits",
           kTopic, format_time(kSilence));
     } else if (newest_ == kNone) {
       log::warning(
-          "{} has brought no time for {}, and sync: sim_time waits for it: is use_sim_time set, "
-          "and "
+          "no message on {} for {}, and sync: sim_time waits for it: is use_sim_time set, and "
           "does the simulator publish {}? '{} hz {}' shows it",
           kTopic, format_time(kSilence), kTopic, topics::topic_command(session_.dialect()), kTopic);
     } else {
       log::warning("{} has stood still at {} for {}: is the simulator paused? The experiment waits",
-                   kTopic, format_time(newest_), format_time(kSilence));
+                   kTopic, format_time(rounded(newest_, kNsPerSecond / 1000)),
+                   format_time(kSilence));
     }
   }
 

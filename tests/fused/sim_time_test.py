@@ -218,13 +218,13 @@ def slow_clock(simulator, begin):
         time.sleep(0.02)
     report = run.end(0)
     assert report["summary"]["simulated_s"] == 0.5 and report["summary"]["overruns"] == 0, report
-    run.says("/clock comes every 10 ms, a tick is 1 ms")
+    run.says("/clock has a period of 10 ms, a tick is 1 ms")
     assert "more than a tick late" not in run.printed, run.printed
 
 
 def no_clock(file, folder, reason):
     """Ends the run after --start-timeout."""
-    runs.refused(f"/clock has brought no time within 2 s: {reason} ... [SL0702]", "run", file, "--out", folder,
+    runs.refused(f"no message on /clock within 2 s: {reason} ... [SL0702]", "run", file, "--out", folder,
                  "--start-timeout", "2", code=3)
 
 
@@ -232,7 +232,7 @@ def paused_from_the_start(simulator, begin):
     """A simulator that is paused before it sends a time is waited for, longer than --start-timeout."""
     run = begin("paused-from-the-start", start_s=2)
     simulator.join()
-    run.says("/clock has a publisher and has brought no time for 3 s: is the simulator paused? The experiment waits")
+    run.says("no message on /clock for 3 s, which has a publisher: is the simulator paused? The experiment waits")
     simulator.drives()
     run.interrupt()
     simulator.heard.clear()
@@ -247,7 +247,7 @@ def wrong_clock(file, folder):
 
 def silence(begin, command):
     run = begin("silence")
-    run.says("/clock has brought no time for 3 s, and sync: sim_time waits for it: is use_sim_time "
+    run.says("no message on /clock for 3 s, and sync: sim_time waits for it: is use_sim_time "
              f"set, and does the simulator publish /clock? '{command} hz /clock' shows it")
     run.interrupt()
 
