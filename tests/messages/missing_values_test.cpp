@@ -69,7 +69,9 @@ TEST_P(MissingValues, blind_beams_and_pixels_are_named_once_with_a_remedy) {
               ElementsAre("the first 20 messages had no valid value in 'ranges[1]', so 2 channels "
                           "have no value, the first is channel 1; give channels without a value "
                           "one, as in initial: -1, an obstacle"));
-  EXPECT_THAT(warnings_of(slice), ElementsAre(Fault("... 'ranges[11]', so channel 1 ... nan: 0")));
+  EXPECT_THAT(
+      warnings_of(slice),
+      ElementsAre(Fault("... 'ranges[11]', so channel 1 ... {path: \"ranges[10:]\", nan: 0}]")));
   EXPECT_THAT(
       warnings_of(pixels),
       ElementsAre(Fault("... 'pixel (2, 1)', so channel 5 has no value; ... as in initial: 0")));

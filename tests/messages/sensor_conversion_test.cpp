@@ -202,9 +202,23 @@ TEST(SensorConversion, arrays_and_positions_are_raw) {
   EXPECT_THAT(chosen.channels(), ElementsAre(0.5, 10));
 }
 
+TEST(SensorConversion, the_remedy_counts_the_values_of_all_fields) {
+  const auto brought = [](std::uint32_t width, const std::vector<double>& velocities) {
+    auto c = conversion("sensor_msgs/JointState", width, false, {"position", "velocity"});
+    c.convert(message("sensor_msgs/JointState", {"position", "velocity"}, {{1, 2}, velocities}));
+    return c.take_warning();
+  };
+  EXPECT_THAT(brought(6, {3, 4}), EndsWith("write [4] in its connection if no message has more"));
+  EXPECT_THAT(brought(5, {3, 4}), EndsWith("write [4] in its connection if no message has more"));
+  EXPECT_EQ(brought(4, {3, 4}), "");
+  EXPECT_THAT(brought(3, {3, 4}), EndsWith("write [4] in its connection to have all"));
+  EXPECT_THAT(brought(6, {3}), EndsWith("write [3] in its connection if no message has more"));
+}
+
 TEST(SensorConversion, types_without_a_rule_need_fields) {
   EXPECT_THAT(error_of([] { conversion("std_msgs/Float64", 1); }),
-              Fault("message type std_msgs/Float64 ... 'fields' ... [SL0504]"));
+              Fault("message type std_msgs/Float64 has no default fields; ... fields: [PATH, PATH] "
+                    "... [SL0504]"));
   auto c = conversion("std_msgs/Float64", 1, true, {"data"});
   c.convert(message("std_msgs/Float64", {"data"}, {{42}}));
   EXPECT_THAT(c.channels(), ElementsAre(42));

@@ -135,7 +135,7 @@ TEST_P(SensorRules, fields_that_are_always_nan_are_named) {
   };
   const std::string always =
       "the first 20 messages had no valid value in 'velocity[name=j3]', so channel 1 has no value; "
-      "select another field, or replace NaN, as in nan: 0";
+      "select another field, or write  fields: [{path: \"velocity[name=j3]\", nan: 0}]";
   for (const NotANumber policy : {NotANumber::pass, NotANumber::hold, NotANumber::skip}) {
     auto c = conversion("sensor_msgs/JointState",
                         rule(policy, {"velocity[name=j1]", "velocity[name=j3]"}), 2, true);
@@ -152,7 +152,8 @@ TEST_P(SensorRules, fields_that_are_always_nan_are_named) {
         policy != NotANumber::skip
             ? always
             : "the first 20 messages had no valid value in 'velocity[name=j3]', so 2 channels have "
-              "no value; select another field, or replace NaN, as in nan: 0");
+              "no value; select another field, or write  fields: [{path: \"velocity[name=j3]\", "
+              "nan: 0}]");
     EXPECT_EQ(c.unread(), "");
     auto later = conversion("sensor_msgs/JointState",
                             rule(policy, {"velocity[name=j1]", "velocity[name=j3]"}), 2, true);
@@ -169,7 +170,7 @@ TEST_P(SensorRules, fields_that_are_always_nan_are_named) {
   EXPECT_EQ(
       few.unread(),
       "the first message had no valid value in 'velocity[name=j3]', so channel 0 has no value; "
-      "select another field, or replace NaN, as in nan: 0");
+      "select another field, or write  fields: [{path: \"velocity[name=j3]\", nan: 0}]");
   EXPECT_TRUE(few.convert(joints(1)));
   EXPECT_EQ(few.unread(), "");
   EXPECT_FALSE(few.convert(joints(kNan)));

@@ -131,23 +131,35 @@ std::optional<std::size_t> FieldReading::width() const {
 }
 
 std::string FieldReading::name_of(std::size_t channel) const {
+  const auto [entry, element] = entry_of(channel);
+  return entry == nullptr ? Reading::name_of(channel) : name_of(*entry, element);
+}
+
+std::pair<const FieldReading::Entry*, std::size_t> FieldReading::entry_of(
+    std::size_t channel) const {
   for (const Entry& entry : entries_) {
     const std::size_t width = share_channels_ ? entry.channels : entry.width.value_or(channel + 1);
     if (channel < width) {
-      return name_of(entry, channel);
+      return {&entry, channel};
     }
     channel -= width;
   }
-  return Reading::name_of(channel);
+  return {nullptr, channel};
 }
 
 std::string FieldReading::length_remedy(std::size_t /*channels*/) const {
   return order_ ? "select the elements by name, as in position[name=NAME]" : "";
 }
 
-std::string FieldReading::no_value_remedy(bool missing) const {
-  return missing ? Reading::no_value_remedy(missing)
-                 : "select another field, or replace NaN, as in nan: 0";
+std::string FieldReading::no_value_remedy(bool missing, std::size_t channel) const {
+  const Entry* const entry = entry_of(channel).first;
+  if (missing || entry == nullptr) {
+    return Reading::no_value_remedy(missing, channel);
+  }
+  const std::string& path = entry->field.path;
+  const char* const quote = path.find('[') == std::string::npos ? "" : "\"";
+  return fmt::format("select another field, or write  fields: [{{path: {0}{1}{0}, nan: 0}}]", quote,
+                     path);
 }
 
 std::string FieldReading::name_of(const Entry& entry, std::size_t element) const {
@@ -176,8 +188,12 @@ bool FieldReading::read(std::span<const std::byte> message, ReadValues& values) 
   }
   fit_channels();
   bool is_used = true;
+  std::size_t whole = 0;
   for (const Entry& entry : entries_) {
-    is_used = append(entry, values) && is_used;
+    is_used = append(entry, values, whole) && is_used;
+  }
+  if (values.misfit) {
+    values.misfit->whole = whole;
   }
   return is_used;
 }
@@ -257,15 +273,16 @@ void FieldReading::fit_channels() {
   }
 }
 
-bool FieldReading::append(const Entry& entry, ReadValues& values) const {
+bool FieldReading::append(const Entry& entry, ReadValues& values, std::size_t& whole) const {
   const std::size_t brought = entry.numbers.size();
   // A missing value must not move the values of the next fields to other channels.
   const std::size_t known = entry.by_name ? order_->size() : entry.width.value_or(0);
   const std::size_t width = share_channels_ ? entry.channels : std::max(brought, known);
   // A message may have a part of the names.
   const std::size_t fitting = std::max(brought, std::min(known, width));
+  whole += fitting;
   if (!entry.width && fitting != width && !values.misfit) {
-    values.misfit = {entry.field.path, fitting, width};
+    values.misfit = {entry.field.path, fitting, width, 0};
   }
   bool is_used = true;
   for (std::size_t i = 0; i < width; ++i) {

@@ -56,7 +56,7 @@ class FieldReading : public Reading {
   std::optional<std::size_t> width() const override;
   std::string name_of(std::size_t channel) const override;
   std::string length_remedy(std::size_t channels) const override;
-  std::string no_value_remedy(bool missing) const override;
+  std::string no_value_remedy(bool missing, std::size_t channel) const override;
 
  private:
   struct Entry {
@@ -77,9 +77,12 @@ class FieldReading : public Reading {
   void share_channels(std::uint32_t width);
   /// The first message whose values fill the port determines how many channels each field has.
   void fit_channels();
+  /// Field of a channel, and its element; nullptr beyond the last field.
+  std::pair<const Entry*, std::size_t> entry_of(std::size_t channel) const;
   std::string name_of(const Entry& entry, std::size_t element) const;
   /// False: the message is to be left out.
-  bool append(const Entry& entry, ReadValues& values) const;
+  /// @param whole grows by the number of the field's values
+  bool append(const Entry& entry, ReadValues& values, std::size_t& whole) const;
 
   std::string type_;
   Dialect dialect_;

@@ -102,8 +102,8 @@ std::vector<SensorField> usual_fields(const std::string& type, std::uint32_t wid
   }
   throw ConfigurationError(
       with_code(Code::field_path,
-                "message type {} has no usual fields; write in 'fields' the paths of those to "
-                "take",
+                "message type {0} has no default fields; list them, as in  fields: [PATH, PATH] "
+                "('spikeloop describe {0}' prints the paths)",
                 type));
 }
 

@@ -27,6 +27,7 @@ struct Misfit {
   std::string path;  ///< the field; empty for all values of the message
   std::size_t values = 0;
   std::size_t channels = 0;
+  std::size_t whole = 0;  ///< values of all fields of the message
 };
 
 /// What one message brings, channel by channel.
@@ -53,7 +54,7 @@ class Reading {
   virtual std::string length_remedy(std::size_t /*channels*/) const { return {}; }
   /// What to write if no message has a value for a channel.
   /// @param missing false: the messages have NaN, or no reading, there
-  virtual std::string no_value_remedy(bool /*missing*/) const {
+  virtual std::string no_value_remedy(bool /*missing*/, std::size_t /*channel*/) const {
     return "give channels without a value one, as in initial: 0";
   }
   /// Replaces values(), also if the message is to be left out: then returns false.

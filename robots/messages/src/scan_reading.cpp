@@ -101,7 +101,7 @@ std::string ScanReading::length_remedy(std::size_t channels) const {
   return fmt::format("set the sensor's key 'beams' to {} to resample scans by angle", channels);
 }
 
-std::string ScanReading::no_value_remedy(bool /*missing*/) const {
+std::string ScanReading::no_value_remedy(bool /*missing*/, std::size_t /*channel*/) const {
   return "give channels without a value one, as in initial: -1, an obstacle";
 }
 

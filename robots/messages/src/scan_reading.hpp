@@ -19,7 +19,7 @@ class ScanReading : public Reading {
   std::optional<std::size_t> width() const override;
   std::string name_of(std::size_t channel) const override;
   std::string length_remedy(std::size_t channels) const override;
-  std::string no_value_remedy(bool missing) const override;
+  std::string no_value_remedy(bool missing, std::size_t channel) const override;
 
  private:
   /// Angles of the beams in rad, counterclockwise.

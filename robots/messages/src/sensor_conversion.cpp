@@ -163,12 +163,12 @@ std::string SensorConversion::describe_unread() const {
                         any_whole_ ? fmt::format(", the first is channel {}", first) : "");
   return fmt::format("the first {} had no {}'{}', so {}{}", messages,
                      missing ? "" : "valid value in ", reading_->name_of(first), effect,
-                     initial_ ? "" : "; " + reading_->no_value_remedy(missing));
+                     initial_ ? "" : "; " + reading_->no_value_remedy(missing, first));
 }
 
 bool SensorConversion::fit() {
   const ReadValues& values = reading_->values();
-  Misfit misfit{"", values.numbers.size(), channels_.size()};
+  Misfit misfit{"", values.numbers.size(), channels_.size(), values.numbers.size()};
   if (misfit.values == misfit.channels && values.misfit) {
     misfit = *values.misfit;
   }
@@ -181,14 +181,13 @@ bool SensorConversion::fit() {
                         misfit.values, misfit.channels)
           : fmt::format("a {} brought {} values in '{}', but {} of the channels are for them",
                         type_, misfit.values, misfit.path, misfit.channels);
-  const std::size_t whole = channels_.size() - misfit.channels + misfit.values;
   if (strict_) {
-    throw ConfigurationError(
-        with_code(Code::fields_differ, "{}; write [{}] in its connection", difference, whole));
+    throw ConfigurationError(with_code(Code::fields_differ, "{}; write [{}] in its connection",
+                                       difference, misfit.whole));
   }
   const bool surplus = misfit.values > misfit.channels;
   if (counts_.cropped + counts_.short_messages == 0) {
-    warn_of_length(difference, whole, surplus);
+    warn_of_length(difference, misfit.whole, surplus);
   }
   ++(surplus ? counts_.cropped : counts_.short_messages);
   return surplus;
