@@ -40,7 +40,7 @@ permissions. Use --no-code for an untrusted file; it reports what it does not ch
 `spikeloop explain SL0103` explains the code at the end of an error.
 
 Exit codes: 0 no errors, 2 errors, 3 mpirun or music is missing, 4 a file cannot be read,
-130 Ctrl-C)";
+7 no message of a recording is usable, 130 Ctrl-C)";
 
 std::string summary_of(const MusicFile& file) {
   const auto& first = file.sections.front();

@@ -166,7 +166,7 @@ constexpr Explanation kExplanations[] = {
     {Code::message_definition, "A .msg file is not valid",
      "The message has the line. ROS 1 and ROS 2 differ: bounds and default values are of ROS 2 "
      "alone."},
-    {Code::field_path, "A message has no such field, or no usual ones",
+    {Code::field_path, "A message has no such field, or no default fields",
      "`spikeloop describe TYPE` prints the fields of a message. A path goes from field to field by "
      "dots, and to elements of an array by [index], [first:end] or [name=text].",
      "scan: {node: ros_sensor, topic: /scan, message: LaserScan, fields: [rangs]}",
@@ -224,7 +224,7 @@ constexpr Explanation kExplanations[] = {
 
     {Code::no_ros_master, "No ROS master answers",
      "Start one by roscore, or set ROS_MASTER_URI to the address of one that runs."},
-    {Code::partner_missing, "A robot or simulator has not come",
+    {Code::partner_missing, "A robot or simulator is missing",
      "A run in lockstep waits for its robot. Start it, and compare the topics of both sides."},
     {Code::partner_failed, "A program of the run has ended or does not answer",
      "The message has its last words. The robot was stopped."},

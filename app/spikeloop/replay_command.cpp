@@ -73,6 +73,10 @@ int compare(const RecordedRun& run, const launch::RunFolder& folder) {
     put_result(fmt::format("spikeloop: {}\n", result.difference));
     return kDifferent;
   }
+  if (result.spikes == 0) {
+    put_result("spikeloop: no spikes were recorded; nothing was compared\n");
+    return 0;
+  }
   put_result(
       fmt::format("spikeloop: {} spikes: the same in both runs\n", with_commas(result.spikes)));
   return 0;

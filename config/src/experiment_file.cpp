@@ -265,8 +265,8 @@ class Reader {
       throw ConfigurationError(root.where("robot"),
                                with_code(Code::wrong_shape,
                                          "key 'robot': expected a map; write  robot: {simulator: "
-                                         "mujoco, world: arena.xml}, or "
-                                         "leave it out when the robot is somewhere else"));
+                                         "mujoco, world: arena.xml}, or  robot: {bag: FILE}, or "
+                                         "leave it out if the robot is reached over ROS"));
     }
     file_.robot = read_keys("robot", "robot", root.where_name("robot"), robot);
   }

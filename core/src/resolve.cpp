@@ -108,8 +108,13 @@ std::string example_of(const ParameterDescription& parameter) {
 
 [[noreturn]] void refuse_shape(const ParameterDescription& parameter, const WrittenValue& written,
                                const std::string& shape) {
-  throw ConfigurationError(with_code(Code::wrong_shape, "'{}' is {}; write  {}", written.text,
-                                     shape, example_of(parameter)));
+  const std::string remedy =
+      parameter.choices.empty()
+          ? example_of(parameter)
+          : fmt::format("{}, or a map such as  {}", fmt::join(parameter.choices, ", "),
+                        example_of(parameter));
+  throw ConfigurationError(
+      with_code(Code::wrong_shape, "'{}' is {}; write  {}", written.text, shape, remedy));
 }
 
 /// "[1, 2]" and "1, 2", where lists are plain texts.

@@ -1,5 +1,6 @@
 // A bag in the robot's place.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 
@@ -9,6 +10,7 @@
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/recording.hpp"
 #include "spikeloop/messages/catalog.hpp"
+#include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/messages/recorded_type.hpp"
 #include "spikeloop/sensing/sensor_keys.hpp"
 
@@ -92,9 +94,11 @@ std::string check_type(const Node& node, const bag::Connection& connection,
     throw ConfigurationError(
         where,
         with_code(Code::wrong_message,
-                  "key 'message': the recording's topic {0} carries {1}, not {2}; write  message: "
-                  "{1}",
-                  connection.topic, connection.type, type));
+                  "key 'message': the recording's topic {0} carries {1}, not {2}; {3}",
+                  connection.topic, connection.type, type,
+                  messages::Catalog::builtin(*connection.dialect).contains(connection.type)
+                      ? fmt::format("write  message: {}", connection.type)
+                      : "Spikeloop does not know its type; write the path of its .msg file"));
   }
   return check_version(node, connection, type, reader);
 }
@@ -113,6 +117,14 @@ std::set<std::string> check_topic(const Node& node, const bag::Reader& reader) {
     topics.push_back(connection.topic);
   }
   if (!found) {
+    if (topics.empty()) {
+      throw ConfigurationError(
+          node.parameters.where("topic"),
+          with_code(Code::no_such_topic,
+                    "key 'topic': topic {} has no messages in the recording, nor has any other "
+                    "topic; give another recording",
+                    topic));
+    }
     const std::string meant = nearest(topic, topics);
     throw ConfigurationError(
         node.parameters.where("topic"),
@@ -201,6 +213,32 @@ std::shared_ptr<const bag::Reader> open_bag(const Experiment& experiment, Faults
 
 namespace {
 
+/// "; the names are left, right": the texts among which a field looks for a name that none of the
+/// messages has. Empty if no field does.
+std::string names_of_elements(const Node& sensor, messages::Dialect dialect,
+                              std::span<const std::byte> message) {
+  for (const auto& field : sensing::sensor_rule(sensor.parameters).fields) {
+    const auto bracket = field.path.find('[');
+    const auto equals = field.path.find('=', std::min(bracket, field.path.size()));
+    if (equals == std::string::npos) {
+      continue;
+    }
+    const std::string array = field.path.substr(0, bracket);
+    const std::string key = field.path.substr(bracket + 1, equals - bracket - 1);
+    const std::string message_of_array = array.substr(0, array.rfind('.') + 1);
+    for (const std::string& path : {message_of_array + key, array + "." + key}) {
+      try {
+        std::vector<std::string_view> names;
+        messages::TextField(catalog_of(sensor, dialect), sensor.parameters.text("message"), path)
+            .read(message, names);
+        return names.empty() ? "" : fmt::format("; the names are {}", fmt::join(names, ", "));
+      } catch (const Error&) {  // the names are in the other place
+      }
+    }
+  }
+  return "";
+}
+
 /// Looks for the first message with a value. 0: the topic has no message.
 /// @throws ConfigurationError as count_channels; UnusableMessages if there is no such message
 std::uint32_t recorded_width(const Node& sensor, const bag::Reader& reader) {
@@ -208,12 +246,14 @@ std::uint32_t recorded_width(const Node& sensor, const bag::Reader& reader) {
   std::uint64_t count = 0;
   std::uint64_t malformed = 0;
   std::string reason;
+  std::string names;
   for (auto message = stream.next(); message; message = stream.next(), ++count) {
     try {
       const std::uint32_t width = count_channels(sensor, reader.dialect(), message->bytes);
       if (width != 0) {
         return width;
       }
+      names = names.empty() ? names_of_elements(sensor, reader.dialect(), message->bytes) : names;
     } catch (const TransportError& error) {
       reason = malformed++ == 0 ? error.what() : reason;
     }
@@ -230,7 +270,7 @@ std::uint32_t recorded_width(const Node& sensor, const bag::Reader& reader) {
       fmt::format("none of the {} messages of '{}' was usable ({}): topic '{}': a {} {}", count,
                   sensor.name, counters, sensor.parameters.text("topic"),
                   sensor.parameters.text("message"),
-                  malformed == 0 ? "brought no reading" : "could not be read: " + reason));
+                  malformed == 0 ? "brought no reading" + names : "could not be read: " + reason));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "faults.hpp"
 #include "spikeloop/experiment/endpoints.hpp"
+#include "spikeloop/messages/sensor_conversion.hpp"
 #include "spikeloop/sensing/sensor_keys.hpp"
 
 namespace spikeloop::experiment {
@@ -29,8 +30,19 @@ std::uint32_t table_width(const Node& node, Direction direction) {
                                         : weights.columns;
 }
 
+/// Number of values of the fields that are read; 0 if the message determines it.
+std::uint32_t width_of_fields(const Node& node, const messages::SensorRule& rule,
+                              messages::Dialect dialect) {
+  const std::string& type = node.parameters.text("message");
+  const auto width = located_at(sensing::place_of_rule(node.parameters), [&] {
+    const auto& catalog = messages::Catalog::for_type(dialect, type);
+    return messages::SensorConversion(catalog, type, rule, 0, false).width();
+  });
+  return static_cast<std::uint32_t>(width.value_or(0));
+}
+
 /// The size of an image and the number of directions of a scan may be written.
-std::uint32_t sensor_width(const Node& node, const Trial& trial) {
+std::uint32_t sensor_width(const Node& node, const Trial& trial, messages::Dialect dialect) {
   const messages::SensorRule rule = sensing::sensor_rule(node.parameters);
   if (rule.image && rule.image->values()) {
     return *rule.image->values();
@@ -38,7 +50,8 @@ std::uint32_t sensor_width(const Node& node, const Trial& trial) {
   if (rule.scan && rule.scan->beams != 0) {
     return rule.scan->beams;
   }
-  return trial.sensor_width ? trial.sensor_width(node).value_or(0) : 0;
+  const std::uint32_t sent = trial.sensor_width ? trial.sensor_width(node).value_or(0) : 0;
+  return sent != 0 ? sent : width_of_fields(node, rule, dialect);
 }
 
 /// So does a region of a camera.
@@ -51,9 +64,10 @@ std::uint32_t event_width(const Node& node, const Trial& trial) {
   return trial.sensor_width ? trial.sensor_width(node).value_or(0) : 0;
 }
 
-std::uint32_t known_width(const Node& node, Direction direction, const Trial& trial) {
+std::uint32_t known_width(const Node& node, Direction direction, const Trial& trial,
+                          messages::Dialect dialect) {
   if (node.kind == kRosSensor) {
-    return trial.whole.contains(node.name) ? sensor_width(node, trial) : 0;
+    return trial.whole.contains(node.name) ? sensor_width(node, trial, dialect) : 0;
   }
   if (node.kind == kRosEventSensor) {
     return trial.whole.contains(node.name) ? event_width(node, trial) : 0;
@@ -77,7 +91,9 @@ bool settle_by_nodes(const GraphPlan& plan, const Trial& trial, GraphDescription
       const bool open = ports[p].width == 0 && ports[p].rule.kind == WidthRule::Kind::free;
       std::uint32_t width = 0;
       if (open) {
-        faults.attempt(node.where, [&] { width = known_width(node, ports[p].direction, trial); });
+        faults.attempt(node.where, [&] {
+          width = known_width(node, ports[p].direction, trial, experiment.dialect);
+        });
       }
       if (width != 0) {
         auto own = std::make_shared<NodeClass>(*node.node_class);

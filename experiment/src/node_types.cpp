@@ -53,8 +53,8 @@ NodeDescription ros_sensor() {
                                 "with fields, any other type or the path of a .msg file",
                                 "sensor_msgs/LaserScan")};
   std::ranges::move(sensing::sensor_parameters(), std::back_inserter(sensor.parameters));
-  sensor.parameters.push_back(
-      text("initial", "none", "Value of every channel before its first valid value; none: no value"));
+  sensor.parameters.push_back(text(
+      "initial", "none", "Value of every channel before its first valid value; none: no value"));
   sensor.parameters.push_back(
       number("timeout", "s", "1 s", 0,
              "Time without a message with a valid reading after which the robot is stopped; 0: "
@@ -143,7 +143,7 @@ Parameter stop() {
       "NAME "
       "(the measured position of joint NAME); or zero or hold for all fields; not given: positions "
       "are held, other fields are 0",
-      {.type = ParameterType::text}, "{\"data[0]\": hold}");
+      {.type = ParameterType::text}, "{FIELD: 0}");
   stop.choices = {"zero", "hold"};
   return stop;
 }

@@ -22,11 +22,18 @@ using Json = nlohmann::ordered_json;
 /// What a field of `fields` has besides its channel.
 Json& field_of(Json& fields, const Parameters::Entry& entry, const char* key) {
   if (!fields.contains(entry.key)) {
+    std::vector<std::string> known;
+    for (const auto& [name, field] : fields.items()) {
+      known.push_back(name);
+    }
+    const std::string meant = nearest(entry.key, known);
     throw ConfigurationError(
-        entry.where, with_code(Code::field_path,
-                               "key '{}': '{}' is not one of the fields; write it into  fields, "
-                               "too",
-                               key, entry.key));
+        entry.where,
+        with_code(Code::field_path,
+                  "key '{}': '{}' is not one of the fields; {}write it into  fields, "
+                  "too",
+                  key, entry.key,
+                  meant.empty() ? "" : fmt::format("did you mean '{}'? If not, ", meant)));
   }
   return fields[entry.key];
 }
@@ -38,9 +45,9 @@ void add_limits(const Parameters& parameters, Json& fields) {
     if (range[0] > range[1]) {
       throw ConfigurationError(
           entry.where, with_code(Code::wrong_order,
-                                 "key 'limits': [{}, {}] of '{}' is no least and greatest value; "
-                                 "write  {}: [-0.5, 0.5]",
-                                 range[0], range[1], entry.key, entry.key));
+                                 "key 'limits': minimum {0} of '{2}' is greater than maximum {1}; "
+                                 "write  {2}: [{1}, {0}]",
+                                 range[0], range[1], entry.key));
     }
     Json& field = field_of(fields, entry, "limits");
     field["min"] = range[0];
@@ -74,6 +81,20 @@ std::string checked_stop(const std::string& value, const Location& where) {
     }
   });
   return value;
+}
+
+/// A joint cannot be held by its measured position if no positions are received.
+void check_measured(const Parameters& parameters, const CommandMapping& mapping) {
+  for (const CommandField& field : mapping.fields) {
+    if (field.stop && !field.stop->joint.empty() && parameters.text("joint_states") == "none") {
+      throw ConfigurationError(
+          parameters.where("joint_states"),
+          with_code(Code::conflicting_keys,
+                    "key 'joint_states' is none, but '{}' holds the measured position of joint "
+                    "'{}' at a stop; write the topic of the positions, or  hold  without a name",
+                    field.field, field.stop->joint));
+    }
+  }
 }
 
 /// `stop` as that of the mapping and of its fields.
@@ -210,6 +231,7 @@ void read_endpoint(Node& node, const std::string& directory, messages::Dialect r
   } else {
     if (node.mapping.message_type.empty()) {
       node.mapping = command_mapping(node.parameters);
+      check_measured(node.parameters, node.mapping);
     }
     check_command_fields(node.mapping, ros);
   }

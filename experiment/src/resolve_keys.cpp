@@ -15,7 +15,7 @@ class KeyReader {
       : keyed_(keyed), load_weights_(load_weights), faults_(faults) {}
 
   Parameters read(const std::vector<ParameterDescription>& declared) {
-    check_names(names_of(declared));
+    check_names(declared);
     for (const ParameterDescription& parameter : declared) {
       if (!faults_.attempt(keyed_.where, [&] { take(parameter); })) {
         stand_in(parameter);
@@ -25,16 +25,34 @@ class KeyReader {
   }
 
  private:
-  void check_names(const std::vector<std::string>& names) {
+  void check_names(const std::vector<ParameterDescription>& declared) {
+    const std::vector<std::string> names = names_of(declared);
     for (const auto& [name, value] : keyed_.written) {
       if (std::ranges::find(names, name) == names.end()) {
         const auto place = keyed_.places.find(name);
         faults_.add(place == keyed_.places.end() ? value.where : place->second,
                     with_code(Code::unknown_key, "{}: unknown key '{}'{}", keyed_.what, name,
-                              did_you_mean(name, names)));
+                              remedy(name, declared)));
         meant_.push_back(nearest(name, names));
       }
     }
+  }
+
+  /// Points to a list of maps if the entries of the list have the key.
+  static std::string remedy(const std::string& name,
+                            const std::vector<ParameterDescription>& declared) {
+    for (const ParameterDescription& list : declared) {
+      if (list.type != ParameterType::list || list.inner.front().plain_key.empty()) {
+        continue;
+      }
+      const ParameterDescription& entry = list.inner.front();
+      if (std::ranges::find(entry.inner, name, &ParameterDescription::name) != entry.inner.end()) {
+        return fmt::format(
+            "; it is a key of an entry of '{0}': write  {0}: [{{{1}: ..., {2}: VALUE}}]", list.name,
+            entry.plain_key, name);
+      }
+    }
+    return did_you_mean(name, names_of(declared));
   }
 
   void take(const ParameterDescription& parameter) {

@@ -198,6 +198,16 @@ constexpr const char* kInfoTopic = "/camera/camera_info";
                        topic, did_you_mean(topic, known)));
 }
 
+/// "; did you mean ...?", with the robot's field of the same joint if there is one.
+std::string meant_field(const std::string& field, const std::vector<std::string>& known) {
+  const auto bracket = std::min(field.find('['), field.size());
+  const auto same = std::ranges::find_if(known, [&](const std::string& candidate) {
+    return bracket < field.size() && candidate.ends_with(field.substr(bracket));
+  });
+  return same == known.end() ? did_you_mean(field, known)
+                             : fmt::format("; did you mean '{}'?", *same);
+}
+
 /// A joint or actuator that a command names.
 void check_fields(const Node& node, const RobotTopic& topic) {
   for (const CommandField& field : node.mapping.fields) {
@@ -205,7 +215,42 @@ void check_fields(const Node& node, const RobotTopic& topic) {
       throw ConfigurationError(
           field.where,
           with_code(Code::field_path, "the robot does not use the field '{}' of its topic {}{}",
-                    field.field, topic.name, did_you_mean(field.field, topic.fields)));
+                    field.field, topic.name, meant_field(field.field, topic.fields)));
+    }
+  }
+}
+
+/// The measured positions that a stop holds.
+void check_held_joints(const Node& node, const std::vector<RobotTopic>& topics) {
+  const auto named = std::ranges::find_if(node.mapping.fields, [](const CommandField& field) {
+    return field.stop && !field.stop->joint.empty();
+  });
+  const std::string& written = node.parameters.text("joint_states");
+  if (named == node.mapping.fields.end() || written == "none") {
+    return;
+  }
+  std::vector<std::string> known;
+  std::vector<std::string> joints;
+  for (const RobotTopic& topic : topics) {
+    if (!topic.joints.empty()) {
+      known.push_back(topic.name);
+      joints = written.empty() || topic.name == written ? topic.joints : joints;
+    }
+  }
+  if (!written.empty() && std::ranges::find(known, written) == known.end()) {
+    throw ConfigurationError(node.parameters.where("joint_states"),
+                             with_code(Code::no_such_topic,
+                                       "key 'joint_states': the robot sends no joint positions on "
+                                       "{}{}",
+                                       written, did_you_mean(written, known)));
+  }
+  for (const CommandField& field : node.mapping.fields) {
+    if (field.stop && !field.stop->joint.empty() &&
+        std::ranges::find(joints, field.stop->joint) == joints.end()) {
+      throw ConfigurationError(
+          node.parameters.where(node.parameters.given("stop") ? "stop" : "fields"),
+          with_code(Code::field_path, "key 'stop': the robot has no joint '{}' to hold{}",
+                    field.stop->joint, did_you_mean(field.stop->joint, joints)));
     }
   }
 }
@@ -270,8 +315,11 @@ void check_robot_topic(const Node& node, const Experiment& experiment,
     refuse_topic(node, *experiment.robot, known);
   }
   check_message(node, *topic);
-  if (topic->takes_commands() && experiment.robot->model) {
-    check_fields(node, *topic);
+  if (topic->takes_commands()) {
+    if (experiment.robot->model) {
+      check_fields(node, *topic);
+    }
+    check_held_joints(node, topics);
   }
 }
 

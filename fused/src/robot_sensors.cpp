@@ -62,6 +62,9 @@ experiment::RobotView look_at_robot(const experiment::Experiment& experiment) {
   experiment::RobotView view;
   for (const robot::SensorTopic& topic : robot->topics()) {
     view.topics.push_back({whole(topic.name), topic.type});
+    if (topic.type == robot::kJointStateType) {
+      view.topics.back().joints = joints_of(*robot);
+    }
   }
   std::map<Topic, Bytes> messages;
   robot->publish(

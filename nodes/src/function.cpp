@@ -116,8 +116,8 @@ NodeClass function_class() {
                                      "separated by ';', e.g. sin(pi*x0); x0*x1"}};
   append_finite_input_policy(description.parameters);
   description.parameters.back().text =
-      "NaN or infinite inputs and results: hold the channel's last finite value, use 0, or end the "
-      "run with an error";
+      "NaN or infinite inputs and results: hold the channel's last finite value (inputs: 0 before "
+      "the first; results: no output before it), use 0, or end the run with an error";
   return {description, [](const NodeSetup& setup) { return std::make_unique<Function>(setup); }};
 }
 

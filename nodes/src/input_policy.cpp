@@ -13,7 +13,7 @@ void append_finite_input_policy(std::vector<ParameterDescription>& parameters) {
                         .default_value = "hold",
                         .choices = {"hold", "zero", "error"},
                         .text = "NaN or infinite input values: hold the channel's last finite "
-                                "value, use 0, or end the run with an error"});
+                                "value (0 before the first), use 0, or end the run with an error"});
 }
 
 void append_encoder_input_policy(std::vector<ParameterDescription>& parameters) {

@@ -127,7 +127,7 @@ def damaged_bags(scratch):
             bag.write_bytes(whole[:13 + (len(whole) - 13) * part // 20])
             error = messages_in(bag)
             assert error.startswith(f"'{bag}' is damaged: ") and error.endswith(
-                "'rosbag check' and 'rosbag reindex' may help [SL0109]"), (part, error)
+                "'rosbag check' and 'rosbag reindex' may help; if the error remains, no message can be recovered [SL0109]"), (part, error)
         random, refused = np.random.default_rng(1), 0
         for trial in range(200):
             wrong = bytearray(whole)

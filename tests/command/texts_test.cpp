@@ -61,7 +61,7 @@ TEST_F(TextsTest, the_emergency_stop_says_which_topic) {
 TEST_F(TextsTest, a_cut_value_says_what_to_write) {
   EXPECT_EQ(cut_warning({0, 1.5}, settings_),
             "the value 1.5 of field 'linear.x' is beyond its limits [-1, 1] and is cut, as others "
-            "may be; to drive faster, write  limits: {linear.x: [LEAST, GREATEST]}");
+            "may be; to drive faster, write  limits: {linear.x: [MIN, MAX]}");
 }
 
 TEST_F(TextsTest, counters_have_the_reasons_names) {

@@ -129,9 +129,9 @@ TEST(NestedParameters, WhatIsWrongHasItsPlace) {
   EXPECT_EQ(
       error_of("stop", map({{"timeout", plain("2", 3)}})),
       "f:3:1: key 'stop': key 'timeout': 2 has no unit; write for example  timeout: 2 s [SL0202]");
-  EXPECT_EQ(
-      error_of("bounds", plain("all")),
-      "f:1:1: key 'bounds': 'all' is neither none nor a map; write  bounds: {a: [1, 2]} [SL0105]");
+  EXPECT_EQ(error_of("bounds", plain("all")),
+            "f:1:1: key 'bounds': 'all' is neither none nor a map; write  none, or a map such as  "
+            "bounds: {a: [1, 2]} [SL0105]");
   EXPECT_THAT(error_of("bounds", map({{"a", plain("5", 2)}})),
               Fault("f:2:1: key 'bounds': 'a': '5' ... 2 ... [1, 2] ... [SL0105]"));
   EXPECT_EQ(error_of("fields", list({{"", map({{"scale", plain("2")}})}})),

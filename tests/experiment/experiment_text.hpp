@@ -89,7 +89,7 @@ struct Read {
 inline experiment::RobotView view_of(const experiment::Experiment& experiment) {
   const experiment::Robot& robot = *experiment.robot;
   if (robot.model) {
-    return {.topics = {{"/joint_states", "sensor_msgs/JointState"},
+    return {.topics = {{"/joint_states", "sensor_msgs/JointState", {}, {"shoulder", "elbow"}},
                        {"/sensors/tip", "std_msgs/Float64MultiArray"},
                        {"/joint_commands",
                         "sensor_msgs/JointState",

@@ -216,9 +216,9 @@ TEST_F(LayoutTest, SaysWhatIsWrong) {
                           "out [SL0601]"));
   EXPECT_THAT(
       faults_of("parallel"),
-      ElementsAre(
-          "x.yaml:4:9: key 'layout': 'parallel' is neither fused nor separate nor a "
-          "map; write  layout: {vision: [camera], control: [encoder, decoder, wheels]} [SL0105]"));
+      ElementsAre("x.yaml:4:9: key 'layout': 'parallel' is neither fused nor separate nor a "
+                  "map; write  fused, separate, or a map such as  layout: {vision: [camera], "
+                  "control: [encoder, decoder, wheels]} [SL0105]"));
 }
 
 TEST_F(LayoutTest, OneProcessMeetsARobotThatIsStepped) {

@@ -192,6 +192,10 @@ TEST_F(Senders, SaysWhatIsWrongWithChannels) {
       read(files, types_).faults,
       testing::Contains(
           Fault("x.yaml:10:5: ... 'scan.out' is unknown ... scan.out -> NODE [10] ... [SL0307]")));
+  text.replace(text.find("message: LaserScan"), 18,
+               "message: LaserScan, fields: [\"ranges[0:2]\", range_max]");
+  EXPECT_THAT(read(Files(text + "  - left, left -> brain\n"), types_).faults,
+              ElementsAre(Fault("... node 'right' is not connected; ... [SL0305]")));
 }
 
 TEST_F(Senders, AnExportedJobHasNone) {

@@ -217,10 +217,12 @@ INSTANTIATE_TEST_SUITE_P(
                    "ros: 2, or  robot: {simulator: mujoco} [SL0507]",
                    "x.yaml:9:3: node 'wheels': ... /cmd_vel ... ros: 2, or  robot: {simulator: "
                    "mujoco} ... [SL0507]"}},
-        WrongFile{"robot that is not a map",
-                  {{"{simulator: mujoco}", "mujoco"}},
-                  {"x.yaml:4:8: key 'robot': expected a map; write  robot: {simulator: mujoco, "
-                   "world: arena.xml}, or leave it out when the robot is somewhere else [SL0105]"}},
+        WrongFile{
+            "robot that is not a map",
+            {{"{simulator: mujoco}", "mujoco"}},
+            {"x.yaml:4:8: key 'robot': expected a map; write  robot: {simulator: mujoco, "
+             "world: arena.xml}, or  robot: {bag: FILE}, or leave it out if the robot is reached "
+             "over ROS [SL0105]"}},
         WrongFile{"unknown robot key",
                   {{"mujoco}", "mujoco, wrld: a.xml}"}},
                   {"x.yaml:4:28: robot: unknown key 'wrld'; did you mean 'world'? [SL0103]"}},

@@ -47,6 +47,41 @@ INSTANTIATE_TEST_SUITE_P(
                     "{'effort[name=elbow]': 0, 'effort[name=sholder]': 1}"}},
                   {"x.yaml:10:146: ... 'effort[name=sholder]' of its topic /joint_commands ... "
                    "'effort[name=shoulder]' ... [SL0504]"}},
+        WrongFile{"an actuator of another kind",
+                  {{"mujoco}", "mujoco, model: arm.xml}"},
+                   {"topic: /scan, message: LaserScan",
+                    "topic: /sensors/tip, message: Float64MultiArray"},
+                   {"topic: /cmd_vel, message: Twist, fields: {linear.x: 0, angular.z: 1}",
+                    "topic: /joint_commands, message: sensor_msgs/JointState, fields: "
+                    "{'effort[name=elbow]': 0, 'velocity[name=shoulder]': 1}"}},
+                  {"x.yaml:10:149: ... 'velocity[name=shoulder]' ... did you mean "
+                   "'effort[name=shoulder]'? [SL0504]"}},
+        WrongFile{"a held joint that the robot does not have",
+                  {{"mujoco}", "mujoco, model: arm.xml}"},
+                   {"topic: /scan, message: LaserScan",
+                    "topic: /sensors/tip, message: Float64MultiArray"},
+                   {"topic: /cmd_vel, message: Twist, fields: {linear.x: 0, angular.z: 1}",
+                    "topic: /joint_commands, message: sensor_msgs/JointState, fields: "
+                    "{'effort[name=elbow]': 0, 'effort[name=shoulder]': 1}, "
+                    "stop: {'effort[name=elbow]': hold elbw}"}},
+                  {"... key 'stop': the robot has no joint 'elbw' to hold; did you mean 'elbow'? "
+                   "[SL0504]"}},
+        WrongFile{
+            "joint positions on a topic that the robot does not have",
+            {{"mujoco}", "mujoco, model: arm.xml}"},
+             {"topic: /scan, message: LaserScan",
+              "topic: /sensors/tip, message: Float64MultiArray"},
+             {"topic: /cmd_vel, message: Twist, fields: {linear.x: 0, angular.z: 1}",
+              "topic: /joint_commands, message: sensor_msgs/JointState, fields: "
+              "{'effort[name=elbow]': 0, 'effort[name=shoulder]': 1}, "
+              "stop: {'effort[name=elbow]': hold elbow}, joint_states: /joint_state"}},
+            {"... key 'joint_states': the robot sends no joint positions on /joint_state; did "
+             "you mean '/joint_states'? [SL0507]"}},
+        WrongFile{
+            "a held joint without measured positions",
+            {{"angular.z: 1}", "angular.z: 1}, stop: {linear.x: hold left}, joint_states: none"}},
+            {"... key 'joint_states' is none, but 'linear.x' holds the measured position of "
+             "joint 'left' ... [SL0208]"}},
         WrongFile{
             "a camera that is not a map",
             {{"mujoco}", "mujoco, camera: on}"}},
@@ -126,16 +161,17 @@ INSTANTIATE_TEST_SUITE_P(
                    "... [SL0203]"}},
         WrongFile{"limits of an unknown field",
                   {{"angular.z: 1}", "angular.z: 1}, limits: {linear.y: [0, 1]}"}},
-                  {"x.yaml:10:120: key 'limits': 'linear.y' is not one of the fields; write it "
-                   "into  fields, too [SL0504]"}},
+                  {"x.yaml:10:120: key 'limits': 'linear.y' is not one of the fields; did you mean "
+                   "'linear.x'? If not, write it into  fields, too [SL0504]"}},
         WrongFile{
             "limits that are no pair",
             {{"angular.z: 1}", "angular.z: 1}, limits: {linear.x: 1}"}},
             {"x.yaml:10:120: key 'limits': 'linear.x': '1' ... 2 ... [-0.5, 0.5] ... [SL0105]"}},
-        WrongFile{"limits the wrong way round",
-                  {{"angular.z: 1}", "angular.z: 1}, limits: {linear.x: [1, 0]}"}},
-                  {"x.yaml:10:120: key 'limits': [1, 0] of 'linear.x' is no least and greatest "
-                   "value; write  linear.x: [-0.5, 0.5] [SL0206]"}},
+        WrongFile{
+            "limits the wrong way round",
+            {{"angular.z: 1}", "angular.z: 1}, limits: {linear.x: [1, 0]}"}},
+            {"x.yaml:10:120: key 'limits': minimum 1 of 'linear.x' is greater than maximum 0; "
+             "write  linear.x: [0, 1] [SL0206]"}},
         WrongFile{"stop of an unknown field",
                   {{"angular.z: 1}", "angular.z: 1}, stop: {linear.y: hold}"}},
                   {"x.yaml:10:118: key 'stop': 'linear.y' ... fields, too ... [SL0504]"}},
@@ -144,6 +180,10 @@ INSTANTIATE_TEST_SUITE_P(
             {{"angular.z: 1}", "angular.z: 1}, stop: {linear.x: hodl}"}},
             {"x.yaml:10:118: key 'stop': hodl is no value for a stop; write a number, or hold, "
              "or hold and the name of a joint [SL0201]"}},
+        WrongFile{"stop that is another word",
+                  {{"angular.z: 1}", "angular.z: 1}, stop: keep"}},
+                  {"... key 'stop': 'keep' is neither zero nor hold nor a map; write  zero, hold, "
+                   "or a map such as  stop: {FIELD: 0} [SL0105]"}},
         WrongFile{"slew of an unknown field",
                   {{"angular.z: 1}", "angular.z: 1}, slew: {linear.y: 1}"}},
                   {"x.yaml:10:118: key 'slew': 'linear.y' ... fields, too ... [SL0504]"}},

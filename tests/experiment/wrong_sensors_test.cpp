@@ -32,6 +32,9 @@ INSTANTIATE_TEST_SUITE_P(
                "message: LaserScan, fields: [{path: \"ranges[0:3]\", scal: 2}]",
                {"x.yaml:6:99: key 'fields': entry 1: unknown key 'scal'; did you mean 'scale'? "
                 "[SL0103]"}),
+        sensor("option of a field as a key of the sensor", "message: LaserScan, nan: 0",
+               {"... node 'scan': unknown key 'nan'; it is a key of an entry of 'fields': write  "
+                "fields: [{path: ..., nan: VALUE}] [SL0103]"}),
         sensor("range and scale",
                "message: LaserScan, fields: [{path: ranges, range: [0, 1], scale: 2}]",
                {"x.yaml:6:93: key 'fields': 'range' says what 'scale' says; leave one of them "
@@ -55,9 +58,11 @@ INSTANTIATE_TEST_SUITE_P(
         sensor("picture that is not a map", "message: sensor_msgs/Image, image: small",
                {"x.yaml:6:77: key 'image': 'small' is not a map; write  image: {resize: [40, 30]} "
                 "[SL0105]"}),
-        sensor("type without a rule", "message: sensor_msgs/JointState",
-               {"x.yaml:6:51: message type sensor_msgs/JointState has no usual fields; write in "
-                "'fields' the paths of those to take [SL0504]"}),
+        sensor(
+            "type without a rule", "message: sensor_msgs/JointState",
+            {"x.yaml:6:51: message type sensor_msgs/JointState has no default fields; list them, "
+             "as in  fields: [PATH, PATH] ('spikeloop describe sensor_msgs/JointState' prints the "
+             "paths) [SL0504]"}),
         command("unknown type of a command", "message: sensor_msgs/JointStat, fields: {a: 0}",
                 {"x.yaml:10:57: unknown message type 'sensor_msgs/JointStat'; did you mean "
                  "'sensor_msgs/JointState'? [SL0502]"}),

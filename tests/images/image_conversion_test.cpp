@@ -104,7 +104,7 @@ TEST(ImageConversion, crop_comes_before_resize) {
       error_of([&] {
         converted({.crop = Crop{2, 3, 9, 2}}, picture.view());
       }),
-      "C: crop: [2, 3, 9, 2] reaches beyond the picture, which has 10 x 10 pixels; write a part "
+      "C: crop: [2, 3, 9, 2] reaches beyond the image, which has 10 x 10 pixels; write a part "
       "within it [SL0203]");
 }
 

@@ -64,8 +64,9 @@ TEST(ImageSettings, what_is_wrong_is_said) {
               Fault("C: key 'resize': '40' ... 2 ... resize: [40, 30] ... [SL0105]"));
   EXPECT_THAT(error_of({{"resize", "[40, 0]"}}), Fault("C: key 'resize': entry 2: 0" + size));
   EXPECT_THAT(error_of({{"resize", "[5000, 30]"}}), Fault("C: key 'resize': entry 1: 5000" + size));
-  EXPECT_THAT(error_of({{"range", "[255, 0]"}}),
-              Fault("C: key 'range': [255, 0] ... [0, 255] ... [SL0206]"));
+  EXPECT_THAT(
+      error_of({{"range", "[255, 0]"}}),
+      Fault("C: key 'range': minimum 255 is not below maximum 0; write  range: [0, 255] [SL0206]"));
   EXPECT_EQ(
       error_of({{"filter", "on_off"}, {"surround", "0.5"}}),
       "C: key 'surround': 0.5 is not above centre, 1; write for example 3 times as much [SL0206]");

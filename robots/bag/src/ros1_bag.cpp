@@ -74,7 +74,9 @@ class Ros1Bag : public Source {
     } catch (const FileError&) {
       throw;
     } catch (const std::runtime_error& error) {
-      fail_damaged(name, error.what(), "; 'rosbag check' and 'rosbag reindex' may help");
+      fail_damaged(name, error.what(),
+                   "; 'rosbag check' and 'rosbag reindex' may help; if the "
+                   "error remains, no message can be recovered");
     }
     keep_used_connections();
   }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "spikeloop/command/command_sink.hpp"
+#include "spikeloop/core/units.hpp"
 
 namespace spikeloop::command {
 
@@ -58,8 +59,8 @@ std::string cut_warning(const Limiter::Cut& cut, const CommandSettings& settings
   const std::string& field = settings.fields[cut.component];
   return fmt::format(
       "the value {} of field '{}' is beyond its limits [{}, {}] and is cut, as others may be; to "
-      "drive faster, write  limits: {{{}: [LEAST, GREATEST]}}",
-      cut.value, field, bounds.minimum, bounds.maximum, field);
+      "drive faster, write  limits: {{{}: [MIN, MAX]}}",
+      format_rounded(cut.value, 4), field, bounds.minimum, bounds.maximum, field);
 }
 
 }  // namespace spikeloop::command

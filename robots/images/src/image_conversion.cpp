@@ -52,7 +52,7 @@ struct ImageConversion::Impl {
         std::uint64_t{crop.y} + crop.height > image.height) {
       throw ConfigurationError(with_code(
           Code::out_of_bounds,
-          "crop: [{}, {}, {}, {}] reaches beyond the picture, which has {} x {} pixels; write a "
+          "crop: [{}, {}, {}, {}] reaches beyond the image, which has {} x {} pixels; write a "
           "part within it",
           crop.x, crop.y, crop.width, crop.height, image.width, image.height));
     }

@@ -122,10 +122,11 @@ ImageSettings image_settings(const Parameters& parameters) {
     if (range[0] >= range[1]) {
       throw ConfigurationError(
           parameters.where("range"),
-          with_code(Code::wrong_order,
-                    "key 'range': [{}, {}] has no least and greatest value; write for example "
-                    "[0, 255]",
-                    range[0], range[1]));
+          with_code(
+              Code::wrong_order,
+              "key 'range': minimum {} is not below maximum {}; write  range: {}", range[0],
+              range[1],
+              range[0] > range[1] ? fmt::format("[{}, {}]", range[1], range[0]) : "[0, 255]"));
     }
   }
   settings.channel = choice_of<Channel>(parameters, "channel", kChannels);

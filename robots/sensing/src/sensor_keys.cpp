@@ -57,11 +57,12 @@ std::pair<double, double> read_range(const Parameters& keys, const char* key) {
   const double least = keys.numbers("range")[0];
   const double most = keys.numbers("range")[1];
   if (!(least < most)) {
+    const std::string remedy = least > most ? fmt::format("[{}, {}]", most, least) : "[0, 4]";
     throw ConfigurationError(keys.where("range"),
                              with_code(Code::wrong_order,
                                        "key '{}': minimum {} is not below maximum {}; write  "
-                                       "range: [0, 4]",
-                                       key, least, most));
+                                       "range: {}",
+                                       key, least, most, remedy));
   }
   return {least, most};
 }
