@@ -78,7 +78,7 @@ std::vector<double> measure(std::size_t bytes, int count, std::chrono::microseco
   const auto ping = session.publisher("/ping", kType);
   const auto pong = session.subscriber(
       {.topic = "/pong", .message_type = kType, .take = [&](auto) { answers.add(); }});
-  while (!session.publishers_know_us("/pong") || !ping->has_subscribers()) {
+  while (!session.publishers_are_connected("/pong") || !ping->has_subscribers()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   std::vector<std::byte> message(bytes);

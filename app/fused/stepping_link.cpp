@@ -78,7 +78,7 @@ void SteppingLink::require_sound() const {
 
 /// Once the publisher knows us, nothing is lost; until then our side alone may think so.
 bool SteppingLink::is_subscribed(bool connected, const std::string& topic) {
-  if (connected && unknown_.contains(topic) && session_.publishers_know_us(topic)) {
+  if (connected && unknown_.contains(topic) && session_.publishers_are_connected(topic)) {
     unknown_.erase(topic);
   }
   return connected && !unknown_.contains(topic);

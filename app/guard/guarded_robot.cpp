@@ -40,7 +40,7 @@ Descriptor make_event() {
   return event;
 }
 
-/// Waits until one of them is readable; -1 is ignored.
+/// Waits until `first` or `second` is readable, or the deadline; a descriptor of -1 is ignored.
 void wait(TimeNs deadline, int first, int second) {
   pollfd files[2] = {{first, POLLIN, 0}, {second, POLLIN, 0}};
   const TimeNs left = std::max<TimeNs>(0, deadline - wall_now());
@@ -48,7 +48,7 @@ void wait(TimeNs deadline, int first, int second) {
   ::ppoll(files, 2, deadline == kNever ? nullptr : &time, nullptr);
 }
 
-/// The adapter waits 5 s for our answer.
+/// The adapter waits 5 s for the guard's answer.
 constexpr TimeNs kMasterTimeout = 3 * kNsPerSecond;
 
 /// "ROS_MASTER_URI=http://localhost:11311"
@@ -60,8 +60,8 @@ std::string to_text(const topics::Place& place) {
   return fmt::format("{}", fmt::join(variables, " "));
 }
 
-/// In the namespace of the robot's topic, so that guards of several robots have different names:
-/// "/left" of "/left/cmd_vel".
+/// Arguments for the namespace of the robot's topic ("/left" of "/left/cmd_vel"), so that guards of
+/// several robots have different names.
 topics::RosArguments arguments_for(const std::string& topic) {
   const auto end = topic.rfind('/');
   return end == std::string::npos || end == 0
@@ -88,7 +88,7 @@ std::unique_ptr<topics::RawPublisher> Robots::advertise(const Hello& hello) {
   }
   if (hello.place != entered.place) {
     throw ConfigurationError(
-        fmt::format("it meets robots at {}, not at {}; start another guard for this one",
+        fmt::format("the guard uses {}, not {}; start another guard for this one",
                     to_text(entered.place), to_text(hello.place)));
   }
   return entered.session->publisher(hello.topic, hello.message_type);
@@ -189,16 +189,16 @@ void GuardedRobot::watch(topics::RawPublisher& robot) {
          timer.cause() == Cause::lost ? -1 : socket_.get(), timer.stopping() ? -1 : leave_.get());
     // Packets that arrived while the thread waited for a processor count before any deadline.
     listen(timer);
-    const bool heard = robot.has_subscribers();
-    if (heard && !reaches) {
+    const bool has_subscriber = robot.has_subscribers();
+    if (has_subscriber && !reaches) {
       reaches = true;
       send_packet(socket_.get(), {"reaches"});
     }
-    if (timer.poll(wall_now(), heard)) {
+    if (timer.poll(wall_now(), has_subscriber)) {
       stop(robot);
     }
     announce(timer);
-    // Not needed when over: leaving ROS may take as long as a master hangs.
+    // The guard is not needed after the stop, even if leaving ROS waits for a master that hangs.
     set_needed(!timer.over() && (!timer.cause() || timer.stopping()));
   }
   if (timer.over() && timer.cause() && timer.robot_stopped()) {

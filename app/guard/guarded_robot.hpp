@@ -40,7 +40,7 @@ class GuardedRobot {
  public:
   struct Events {
     std::function<void()> changed;  ///< needed() or ended() may have changed
-    /// The robot of an adapter that had died was stopped.
+    /// Called after the robot of an adapter that had died was stopped.
     std::function<void(const Hello&)> stopped;
   };
   /// Events are called from the thread of this robot.

@@ -1,4 +1,4 @@
-// The main thread of the guard: accepts adapters, and ends when none needs it.
+// Main thread of the guard: accepts adapters, and ends when no adapter needs the guard.
 #pragma once
 
 #include <signal.h>

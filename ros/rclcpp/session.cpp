@@ -148,7 +148,7 @@ class Session final : public topics::Session {
     }
     return partners;
   }
-  bool publishers_know_us(const std::string& topic) const override {
+  bool publishers_are_connected(const std::string& topic) const override {
     const auto now = std::chrono::steady_clock::now();
     const std::lock_guard lock(mutex_);
     Seen& seen = seen_[topic];

@@ -47,15 +47,15 @@ TEST_F(CommandChannelTest, nothing_leaves_before_the_first_value) {
 }
 
 TEST_F(CommandChannelTest, a_robot_that_comes_late_gets_the_same_command) {
-  channel_.begin_anew(0);
+  channel_.restart_commands(0);
   command(0.5, 0, kMs);
   command(0.5, 0, 2 * kMs);
   EXPECT_EQ(sent_.size(), 1u);
-  channel_.begin_anew(3 * kMs);
+  channel_.restart_commands(3 * kMs);
   command(0.5, 0, 4 * kMs);
   EXPECT_THAT(sent_, ElementsAre(ElementsAre(0.5, 0), ElementsAre(0.5, 0)));
   channel_.stop(StopReason::emergency, 5 * kMs);
-  channel_.begin_anew(6 * kMs);
+  channel_.restart_commands(6 * kMs);
   EXPECT_EQ(sent_.size(), 3u) << "a stop stays one";
 }
 
@@ -89,14 +89,14 @@ TEST_F(CommandChannelTest, zeros_of_stale_data_are_repeated) {
 TEST_F(CommandChannelTest, the_time_that_it_stands_is_summed_up_until_the_end) {
   channel_.stop(StopReason::stale, 0);
   command(0.5, 0, 10 * kMs);
-  EXPECT_EQ(channel_.stood_for(), 0) << "it waited for its first command";
+  EXPECT_EQ(channel_.stopped_time(), 0) << "it waited for its first command";
   channel_.stop(StopReason::stale, 20 * kMs);
   channel_.stop(StopReason::silent, 25 * kMs);
   command(0.5, 0, 50 * kMs);
-  EXPECT_EQ(channel_.stood_for(), 30 * kMs);
+  EXPECT_EQ(channel_.stopped_time(), 30 * kMs);
   channel_.stop(StopReason::stale, 60 * kMs);
   channel_.stop(StopReason::ended, 100 * kMs);
-  EXPECT_EQ(channel_.stood_for(), 70 * kMs);
+  EXPECT_EQ(channel_.stopped_time(), 70 * kMs);
 }
 
 TEST_F(CommandChannelTest, silence_stops_until_the_next_tick) {

@@ -231,7 +231,7 @@ TEST_F(BoundedTest, a_stop_is_never_slewed_and_afterwards_the_way_starts_at_zero
 TEST_F(BoundedTest, for_a_robot_that_comes_late_the_way_starts_at_zero) {
   command(1, 0);
   command(1, 500 * kMs);
-  channel_.begin_anew(5000 * kMs);
+  channel_.restart_commands(5000 * kMs);
   command(1, 5000 * kMs);
   command(1, 5100 * kMs);
   EXPECT_THAT(sent_, ElementsAre(0, 1, 0, 0.2));

@@ -61,12 +61,12 @@ TEST(Limiter, after_a_stop_the_way_starts_at_zero) {
 }
 
 TEST(Limiter, after_a_stop_the_way_of_a_position_starts_where_it_is_held) {
-  Limiter limiter({{.minimum = 0.5, .slew = 1, .zero_stands = false}}, 1);
+  Limiter limiter({{.minimum = 0.5, .slew = 1, .zero_stops = false}}, 1);
   limiter.restart(std::vector<double>{0.8}, 0);
   EXPECT_THAT(shape(limiter, {1}, 100 * kMs), ElementsAre(0.9));
   const std::vector<double> zero{0};
-  const bool may_stand = true;
-  EXPECT_THAT(limiter.shape(zero, 1000 * kMs, may_stand), ElementsAre(0.5))
+  const bool accept_zero = true;
+  EXPECT_THAT(limiter.shape(zero, 1000 * kMs, accept_zero), ElementsAre(0.5))
       << "position 0 is no stop, so that the limits apply";
 }
 

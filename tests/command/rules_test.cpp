@@ -11,20 +11,20 @@ constexpr TimeNs kMs = 1'000'000;
 
 TEST(SilenceWatch, a_source_is_silent_when_its_timeout_is_over) {
   SilenceWatch watch({100 * kMs, 300 * kMs});
-  watch.heard(0, 1000 * kMs);
-  watch.heard(1, 1000 * kMs);
+  watch.set_arrival(0, 1000 * kMs);
+  watch.set_arrival(1, 1000 * kMs);
   EXPECT_EQ(watch.silent(1100 * kMs), std::nullopt) << "the timeout itself is not too long";
   EXPECT_EQ(watch.silent(1100 * kMs + 1), 0U);
-  watch.heard(0, 1200 * kMs);
+  watch.set_arrival(0, 1200 * kMs);
   EXPECT_EQ(watch.silent(1300 * kMs), std::nullopt);
-  watch.heard(0, 1300 * kMs);
+  watch.set_arrival(0, 1300 * kMs);
   EXPECT_EQ(watch.silent(1300 * kMs + 1), 1U);
 }
 
 TEST(SilenceWatch, a_source_that_was_never_heard_is_silent) {
   SilenceWatch watch({kMs, kMs});
   EXPECT_EQ(watch.silent(0), 0U);
-  watch.heard(0, 0);
+  watch.set_arrival(0, 0);
   EXPECT_EQ(watch.silent(0), 1U);
 }
 

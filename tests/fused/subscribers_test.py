@@ -58,7 +58,7 @@ def check_policies(scratch, number):
     for mode, request in MISFITS.items():
         with ros.program(PEER, number, mode):
             printed = printed_by(scratch, "2")
-        assert printed.count("gets no command") == 1 and f"it asks for {request}" in printed, printed
+        assert printed.count("gets no command") == 1 and f"it requests {request}" in printed, printed
         assert "no subscriber" not in printed, printed
 
 

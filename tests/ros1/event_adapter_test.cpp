@@ -227,8 +227,8 @@ TEST_P(EventAdapterTest, what_comes_too_late_is_sent_all_the_same) {
   const auto all = film(kSensor);
   const auto outcome = child_->wait();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text();
-  EXPECT_THAT(outcome.text(), HasSubstr("too late for latency=0 and are sent as soon as they come; "
-                                        "write latency=0.01 to have them at their own times"));
+  EXPECT_THAT(outcome.text(), HasSubstr("too late for latency=0 and are sent at once; "
+                                        "write latency=0.01 to send them at their own times"));
   EXPECT_EQ(received("late").size(), all.size());
 }
 

@@ -119,10 +119,9 @@ TEST_F(GuardErrorTest, a_second_master) {
   const guard::Link good(hello(first.uri()));
   EXPECT_TRUE(good.guarded()) << testing::PrintToString(said_);
   const guard::Link other(hello(second.uri()));
-  EXPECT_THAT(said_,
-              ElementsAre("the guard refuses this adapter: it meets robots at ROS_MASTER_URI=" +
-                          first.uri() + ", not at ROS_MASTER_URI=" + second.uri() +
-                          "; start another guard for this one" + kAlone));
+  EXPECT_THAT(said_, ElementsAre("the guard refuses this adapter: the guard uses ROS_MASTER_URI=" +
+                                 first.uri() + ", not ROS_MASTER_URI=" + second.uri() +
+                                 "; start another guard for this one" + kAlone));
 }
 
 TEST_F(GuardErrorTest, paths_that_cannot_be_sockets) {

@@ -47,7 +47,7 @@ while True:
 """
 OTHER = ("topic '/v' carries std_msgs/Int64, not std_msgs/Float64; node /other publishes it; write  message: "
          "std_msgs/Int64")
-VERSION = ("topic '/v' carries another version of std_msgs/Float64 (md5 sum 00112233445566778899aabbccddeeff, ours is "
+VERSION = ("topic '/v' carries another version of std_msgs/Float64 (md5 sum 00112233445566778899aabbccddeeff, Spikeloop's is "
            "fdb28210bfa9d7c91146260178d9a584) ... node /version publishes it")
 
 

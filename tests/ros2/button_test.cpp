@@ -29,7 +29,7 @@ class Robot {
         subscriber_(session_.subscriber(heard_.subscription(kTopic, "std_msgs/Bool", 0))) {}
 
   bool knows_publishers() {
-    return eventually(kPatience, [this] { return session_.publishers_know_us(kTopic); });
+    return eventually(kPatience, [this] { return session_.publishers_are_connected(kTopic); });
   }
   bool has_heard(std::size_t presses, double seconds) {
     return eventually(seconds, [&] { return heard_.count() >= presses; });

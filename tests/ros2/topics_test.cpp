@@ -213,11 +213,11 @@ TEST_F(TopicsTest, brings_nothing_of_before_to_who_does_not_want_it) {
 TEST_F(TopicsTest, knows_who_is_there) {
   const auto publisher = robot_.publisher("/in", "std_msgs/String");
   EXPECT_FALSE(publisher->has_subscribers());
-  EXPECT_FALSE(brain_.publishers_know_us("/in"));
+  EXPECT_FALSE(brain_.publishers_are_connected("/in"));
   {
     const auto subscriber = brain_.subscriber(heard_.subscription("/in", "std_msgs/String", 1));
     wait_for_match(*publisher, *subscriber);
-    EXPECT_TRUE(eventually(kLong, [&] { return brain_.publishers_know_us("/in"); }));
+    EXPECT_TRUE(eventually(kLong, [&] { return brain_.publishers_are_connected("/in"); }));
   }
   EXPECT_TRUE(eventually(kLong, [&] { return !publisher->has_subscribers(); }));
 }
@@ -229,7 +229,7 @@ TEST_F(TopicsTest, gets_what_is_published_once_the_publishers_know_us) {
     Session brain(settings("brain"));
     const auto publisher = robot.publisher("/first", "std_msgs/String");
     const auto subscriber = brain.subscriber(heard.subscription("/first", "std_msgs/String", 1));
-    ASSERT_TRUE(eventually(kLong, [&] { return brain.publishers_know_us("/first"); }));
+    ASSERT_TRUE(eventually(kLong, [&] { return brain.publishers_are_connected("/first"); }));
     publisher->publish(message_of(pattern(8)));
     ASSERT_TRUE(eventually(kLong, [&] { return heard.count() == 1; })) << "at attempt " << i;
   }
@@ -308,7 +308,7 @@ TEST_F(TopicsTest, meets_itself) {
   const auto publisher = brain_.publisher("/in", "std_msgs/String");
   const auto subscriber = brain_.subscriber(heard_.subscription("/in", "std_msgs/String", 1));
   wait_for_match(*publisher, *subscriber);
-  EXPECT_TRUE(eventually(kLong, [&] { return brain_.publishers_know_us("/in"); }));
+  EXPECT_TRUE(eventually(kLong, [&] { return brain_.publishers_are_connected("/in"); }));
   publisher->publish(message_of(pattern(5)));
   ASSERT_TRUE(eventually(kLong, [&] { return heard_.count() == 1; }));
   EXPECT_EQ(fields_of(heard_.messages().front()), pattern(5));

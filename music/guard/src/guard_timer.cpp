@@ -16,7 +16,7 @@ void GuardTimer::beat(TimeNs now) {
   if (state_ == State::over || cause_ == Cause::lost) {
     return;
   }
-  // Zeros that are still to be sent are not: after SIGCONT the adapter sends its own and waits.
+  // Cancel the remaining stop commands: after SIGCONT the adapter sends its own, and pauses.
   state_ = State::watching;
   cause_.reset();
   robot_stopped_ = false;
@@ -44,7 +44,7 @@ void GuardTimer::begin(Cause cause, TimeNs now) {
   zeros_left_ = kZeros;
 }
 
-bool GuardTimer::poll(TimeNs now, bool heard) {
+bool GuardTimer::poll(TimeNs now, bool has_subscriber) {
   if (state_ == State::watching && now - last_beat_ > deadline_) {
     begin(Cause::silent, now);
   }
@@ -52,8 +52,8 @@ bool GuardTimer::poll(TimeNs now, bool heard) {
     return false;
   }
   next_zero_ = now + kZeroInterval;
-  zeros_left_ -= heard ? 1 : 0;
-  robot_stopped_ = robot_stopped_ || heard;
+  zeros_left_ -= has_subscriber ? 1 : 0;
+  robot_stopped_ = robot_stopped_ || has_subscriber;
   if (zeros_left_ == 0 || now - stopping_since_ >= kLongestStop) {
     state_ = cause_ == Cause::lost ? State::over : State::silent;
   }

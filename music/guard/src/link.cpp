@@ -17,7 +17,7 @@
 namespace spikeloop::guard {
 namespace {
 
-/// Longer than the guard itself waits for a ROS master.
+/// Time limit of the guard's answer. It is longer than the guard's own wait for a ROS master.
 constexpr TimeNs kPatience = 5 * kNsPerSecond;
 constexpr TimeNs kRetryPeriod = 100'000'000;
 
@@ -116,8 +116,7 @@ void Link::take(const Received& news, TimeNs now, Lines& lines) {
   } else if (type == "refused") {
     lose("the guard refuses this adapter: " + text_of(news.packet, "reason"), now, lines);
     if (was_accepted_) {
-      due_ =
-          now + kPatience;  // perhaps the ROS master did not answer a guard that was started again
+      due_ = now + kPatience;  // the ROS master may not have answered a restarted guard
     } else {
       leave(State::off);
     }
@@ -129,7 +128,7 @@ void Link::take(const Received& news, TimeNs now, Lines& lines) {
   }
 }
 
-/// Warns once until a guard answers again.
+/// Warns once, until a guard answers again.
 void Link::lose(const std::string& reason, TimeNs now, Lines& lines) {
   leave(State::missing);
   due_ = now + kRetryPeriod;
@@ -162,7 +161,7 @@ void Link::set_stop(std::vector<std::byte> message) {
   hello_.stop = std::move(message);
 }
 
-/// An unread packet is waited for: a guard that was stopped must find the newest message.
+/// Waits until earlier packets are read, so that a guard that was stopped finds the newest message.
 void Link::send_stop() {
   if (!stop_is_known_ && !has_unread(socket_.get())) {
     stop_is_known_ = send_packet(socket_.get(), stop_packet(hello_.stop)) == 0;

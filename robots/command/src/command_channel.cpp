@@ -25,7 +25,7 @@ std::vector<Bounds> bounds_of(const CommandSettings& settings) {
   std::vector<Bounds> bounds = settings.bounds;
   bounds.resize(settings.gate.deadband.size());
   for (std::size_t i = 0; i < std::min(bounds.size(), settings.stops.size()); ++i) {
-    bounds[i].zero_stands = !settings.stops[i].hold;
+    bounds[i].zero_stops = !settings.stops[i].hold;
   }
   return bounds;
 }
@@ -87,7 +87,7 @@ TimeNs CommandChannel::command(std::span<const double> values, TimeNs now) {
     return kNever;
   }
   network_stop_.reset();
-  // The pause lasts whatever else has stopped the robot since it began.
+  // The pause after SIGCONT lasts even if the robot was stopped for another reason since.
   if (held_ || now < suspended_until_) {
     return repeat(now);
   }
@@ -126,12 +126,12 @@ void CommandChannel::enter(State state, TimeNs now) {
     stop_ = computed_stop(now);
   }
   drives_ = state == State::running;
-  const bool stands = state == State::stopped;
-  if (stands && !stands_since_) {
-    stands_since_ = now;
-  } else if (!stands && stands_since_) {
-    stood_for_ += now - *stands_since_;
-    stands_since_.reset();
+  const bool stops = state == State::stopped;
+  if (stops && !stopped_since_) {
+    stopped_since_ = now;
+  } else if (!stops && stopped_since_) {
+    stopped_time_ += now - *stopped_since_;
+    stopped_since_.reset();
   }
   state_ = state;
 }
@@ -171,7 +171,7 @@ void CommandChannel::hold(std::optional<StopReason> reason, TimeNs now) {
   }
 }
 
-void CommandChannel::begin_anew(TimeNs now) {
+void CommandChannel::restart_commands(TimeNs now) {
   const std::lock_guard lock(mutex_);
   if (state_ == State::running) {
     gate_.forget();
@@ -195,7 +195,7 @@ void CommandChannel::override_with(std::span<const double> values, TimeNs now) {
   }
 }
 
-/// A value that is not finite stops the robot; the limits do not apply to it.
+/// Repeats the stop command if a value is not finite; limits do not apply to such values.
 TimeNs CommandChannel::drive_by_hand(TimeNs now) {
   return is_finite(override_) ? drive(override_, now) : repeat(now);
 }
@@ -231,7 +231,7 @@ void CommandChannel::send_stop(TimeNs now) {
   publish();
 }
 
-/// A robot that was never driven is not moved to a position that is not known.
+/// Sends no stop command with unknown positions: a robot that was never driven must not move.
 void CommandChannel::publish() {
   const bool is_command = state_ == State::running;
   driven_ = driven_ || is_command;
@@ -277,9 +277,9 @@ CommandChannel::NetworkCommand CommandChannel::network_command() const {
   return gate_.holds_back() ? NetworkCommand::held_back : NetworkCommand::sent;
 }
 
-TimeNs CommandChannel::stood_for() const {
+TimeNs CommandChannel::stopped_time() const {
   const std::lock_guard lock(mutex_);
-  return stood_for_;
+  return stopped_time_;
 }
 
 std::optional<Limiter::Cut> CommandChannel::first_cut() const {

@@ -16,7 +16,7 @@ CommandGate::CommandGate(GateSettings settings)
 
 bool CommandGate::moved() const {
   for (std::size_t i = 0; i < current_.size(); ++i) {
-    // A return to exactly zero is a stop and leaves however small the step is.
+    // A change to exactly zero is a stop. It is sent even within the deadband.
     const bool stops = current_[i] == 0.0 && last_[i] != 0.0;
     if (stops || std::fabs(current_[i] - last_[i]) > settings_.deadband[i]) {
       return true;

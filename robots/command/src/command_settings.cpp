@@ -9,7 +9,7 @@ namespace {
 
 constexpr TimeNs kLeastInterval = 10'000'000;  // robot bases expect 10 to 100 Hz
 constexpr TimeNs kLeastLockstepInterval = 1'000'000;
-constexpr TimeNs kLongestJitter = 20'000'000;  // of a sensor's driver
+constexpr TimeNs kLongestJitter = 20'000'000;  // jitter of a sensor's driver
 constexpr TimeNs kLeastWatchdog = 100'000'000;
 constexpr TimeNs kYears = 1'000'000'000 * kNsPerSecond;
 
@@ -22,7 +22,7 @@ void adapt_to_wall_clock(const Parameters& keys, TimeNs tick, CommandSettings& s
   }
   if (tick < gate.period) {
     gate.grace = std::min(gate.period / 4, kLongestJitter);
-    // Fast ticks repeat commands themselves, with newer values.
+    // With fast ticks, the next tick sends a newer command instead of a repetition.
     gate.poll_grace = tick + tick / 2;
   }
   if (!keys.given("watchdog")) {

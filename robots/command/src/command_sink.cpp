@@ -16,7 +16,7 @@
 namespace spikeloop::command {
 namespace {
 
-/// Period in which the watch looks for lost publishers and time-outs.
+/// Period of the checks for lost publishers and time-outs.
 constexpr TimeNs kLook = 20'000'000;
 
 std::vector<TimeNs> timeouts(const std::vector<WatchedSensor>& sensors) {
@@ -75,7 +75,7 @@ void CommandSink::send(const Step& step) {
     operator_.apply(wall_now(), now());
   }
   const TimeNs now = this->now();
-  settle_latencies(step.interval().end);  // of commands that were sent between ticks
+  settle_latencies(step.interval().end);  // for commands that were sent between ticks
   const std::optional<StopReason> reason = reason_to_stop(step, now);
   const TimeNs due =
       reason ? channel_.stop(*reason, now) : channel_.command(step.signal_input(0).values, now);
@@ -94,7 +94,7 @@ void CommandSink::send(const Step& step) {
 std::optional<StopReason> CommandSink::reason_to_stop(const Step& step, TimeNs now) {
   const std::optional<TimeNs> age = age_of_data(step, now);
   note_arrivals(step, now);
-  // Without a message there are no data, whatever an encoder and an offset compute.
+  // Before the first message, the output of encoders and offsets is not based on data.
   if (!step.signal_input(0).valid() || (settings_.with_data_stamp && !age)) {
     return StopReason::no_value;
   }
@@ -147,15 +147,15 @@ void CommandSink::note_arrivals(const Step& step, TimeNs now) {
   for (std::size_t i = 0; i < settings_.sensors.size(); ++i) {
     const SignalInput arrived = step.signal_input(first + i);
     if (arrived.valid() && std::isfinite(arrived.values[0])) {
-      sensors_.heard(i, from_seconds(arrived.values[0]));
+      sensors_.set_arrival(i, from_seconds(arrived.values[0]));
     }
   }
-  bool spikes = !ticked_;  // a network gets its time from the first tick on
+  bool spikes = !ticked_;  // spike_timeout begins at the first tick
   for (std::size_t i = 0; i < settings_.spike_widths.size(); ++i) {
     spikes = spikes || !step.spike_input(i).spikes.empty();
   }
   if (spikes) {
-    spikes_.heard(0, now);
+    spikes_.set_arrival(0, now);
   }
 }
 
@@ -207,10 +207,10 @@ TimeNs CommandSink::beat(TimeNs wall) {
   }
   intervene(wall);
   if (settings_.clock == CommandClock::wall) {
-    // Zeros are repeated and manual commands time out even if the loop is silent.
+    // Repeat stop commands and end manual commands even without ticks.
     channel_.poll(now());
   } else if (settings_.clock == CommandClock::simulated && wall >= next_repetition_) {
-    // The simulated time may stand still.
+    // No repetition becomes due while simulated time is paused.
     channel_.repeat_stop(now());
     next_repetition_ = wall + kLongestRepetition;
   }
@@ -228,7 +228,7 @@ std::string CommandSink::prefix() const {
 }
 
 void CommandSink::announce() {
-  // In lockstep the same run prints the same.
+  // In lockstep, repeated runs print the same texts.
   const TimeNs now = settings_.clock == CommandClock::lockstep ? simulated_.load() : wall_now();
   const CommandChannel::Standing standing = channel_.standing();
   const auto cut = channel_.first_cut();
@@ -274,7 +274,7 @@ Condition CommandSink::condition_of(const CommandChannel::Standing& standing) co
 }
 
 void CommandSink::stop(StopReason reason) {
-  // A second caller waits: its process may end at once, and the stop must be on its way.
+  // A second caller waits until the stop command is sent, because its process may end at once.
   const std::lock_guard lock(stopping_);
   if (stopped_) {
     return;
@@ -297,7 +297,7 @@ nlohmann::json CommandSink::summary() const {
   };
   const auto age = age_.report();
   return {{"commands", channel_.counters().front().value},
-          {"stopped_s", to_seconds(channel_.stood_for())},
+          {"stopped_s", to_seconds(channel_.stopped_time())},
           {"latency_median_ms", measured(age.latency_median_ms)},
           {"latency_p99_ms", measured(age.latency_p99_ms)},
           {"age_max_ms", measured(age.age_max_ms)},

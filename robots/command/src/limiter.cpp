@@ -16,17 +16,18 @@ void Limiter::restart(std::span<const double> values, TimeNs now) {
   time_ = now;
 }
 
-std::span<const double> Limiter::shape(std::span<const double> values, TimeNs now, bool may_stand) {
+std::span<const double> Limiter::shape(std::span<const double> values, TimeNs now,
+                                       bool accept_zero) {
   const double elapsed = to_seconds(std::max<TimeNs>(0, now - time_));
   std::optional<Cut> cut;
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const Bounds& bounds = bounds_[i];
-    const bool stands = may_stand && bounds.zero_stands && values[i] == 0;
-    const double target = stands ? 0 : std::clamp(values[i], bounds.minimum, bounds.maximum);
+    const bool is_zero = accept_zero && bounds.zero_stops && values[i] == 0;
+    const double target = is_zero ? 0 : std::clamp(values[i], bounds.minimum, bounds.maximum);
     if (target != values[i] && !cut) {
       cut = Cut{i, values[i]};
     }
-    // Without a rate the value itself, not a sum that rounds.
+    // Without a slew rate, take the target itself: a sum would round.
     const double way = std::isfinite(bounds.slew) ? bounds.slew * elapsed : bounds.slew;
     const bool reached = !std::isfinite(values_[i]) || std::fabs(target - values_[i]) <= way;
     values_[i] = reached ? target : values_[i] + std::copysign(way, target - values_[i]);

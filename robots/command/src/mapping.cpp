@@ -13,7 +13,7 @@
 namespace spikeloop::command {
 namespace {
 
-/// Fields that hold a position, and messages that are one.
+/// Names of fields that contain a position.
 constexpr std::array<std::string_view, 12> kPositions = {
     "position",   "positions",   "point",    "pose",      "orientation",    "quaternion",
     "transforms", "translation", "rotation", "transform", "steering_angle", "joint_angles"};
@@ -25,7 +25,7 @@ constexpr std::array<std::string_view, 6> kPositionTypes = {
     "geometry_msgs/Point", "geometry_msgs/Point32",    "geometry_msgs/Pose2D",
     "geometry_msgs/Pose",  "geometry_msgs/Quaternion", "geometry_msgs/Transform"};
 
-/// "elbow" of "position[name=elbow]"; empty if no name selects the element.
+/// Name in brackets: "elbow" of "position[name=elbow]". Empty if no name selects the element.
 std::string selected_name(std::string_view component) {
   const auto equals = component.find('=');
   return equals == std::string_view::npos || !component.ends_with(']')
@@ -33,7 +33,7 @@ std::string selected_name(std::string_view component) {
              : std::string(component.substr(equals + 1, component.size() - equals - 2));
 }
 
-/// The components of a path, between '.'. A name in brackets may contain '.'.
+/// Splits a path at each '.'. A name in brackets may contain '.'.
 std::vector<std::string_view> path_components(std::string_view path) {
   std::vector<std::string_view> components;
   bool in_brackets = false;
@@ -69,8 +69,8 @@ StopRule default_stop(const std::string& message_type, std::string_view path) {
   return {};
 }
 
-/// A field that is held without the name of a joint is held by that of its path. A velocity or an
-/// effort is never held, because the robot would not stop.
+/// A held field without a joint in its rule uses the joint of its path. A velocity or an effort is
+/// never held, because the robot would not stop.
 StopRule stop_rule(const std::string& message_type, const CommandField& field) {
   const StopRule usual = default_stop(message_type, field.field);
   if (!field.stop) {
@@ -112,7 +112,7 @@ class CommandMapNode : public Node {
     auto value = out.values().begin();
     for (const auto& [index, scale, offset, minimum, maximum] : components_) {
       const double channel = in.values[index];
-      // An infinite channel is a fault, which limits must not hide.
+      // An infinite channel must stop the robot; limits would hide it.
       *value++ =
           std::isfinite(channel) ? std::clamp(scale * channel + offset, minimum, maximum) : channel;
     }

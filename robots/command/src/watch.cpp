@@ -60,7 +60,8 @@ struct Watch::Impl {
 
   void wake() const {
     const std::uint64_t one = 1;
-    // The only failure, a counter that is full, leaves the descriptor readable: it wakes too.
+    // write() fails only if the counter is full. The descriptor is then readable, too, and wakes
+    // the thread.
     [[maybe_unused]] const auto written = ::write(wakeup.get(), &one, sizeof one);
   }
 
@@ -69,7 +70,7 @@ struct Watch::Impl {
     while (!ending.load()) {
       const TimeNs now = wall_now();
       const TimeNs deadline = std::min({check_ticks(now), send_due(now), beat_due(now)});
-      // Whoever brings an earlier time from now on wakes us.
+      // From now on, a heartbeat with an earlier time wakes this thread.
       sleeping_until.store(deadline);
       if (!silent.load() && due.load() < deadline) {
         continue;
@@ -78,7 +79,7 @@ struct Watch::Impl {
     }
   }
 
-  /// Stops the robot when the loop is silent; returns when it will be.
+  /// Stops the robot if the loop is silent. Returns the time of the next check.
   TimeNs check_ticks(TimeNs now) {
     const TimeNs beat = last_beat.load();
     if (beat == kResting || silent.load()) {
@@ -99,7 +100,7 @@ struct Watch::Impl {
     TimeNs next = due.load();
     if (next <= now) {
       const TimeNs again = actions.poll(now);
-      // A heartbeat may have written another time meanwhile; then that one stands.
+      // A heartbeat may have set another time meanwhile, which has priority.
       if (due.compare_exchange_strong(next, again)) {
         next = again;
       }
@@ -107,7 +108,7 @@ struct Watch::Impl {
     return next;
   }
 
-  /// Also while the loop is silent: whoever listens waits for the end of this thread.
+  /// Beats are sent even if the loop is silent: they show that this thread runs.
   TimeNs beat_due(TimeNs now) {
     if (next_beat <= now) {
       next_beat = actions.beat ? actions.beat(now) : kNever;
@@ -144,7 +145,7 @@ struct Watch::Impl {
   std::atomic<TimeNs> last_beat{kResting};
   std::atomic<TimeNs> due{kNever};
   std::atomic<TimeNs> sleeping_until{kNever};
-  TimeNs next_beat = 0;  ///< the thread's own
+  TimeNs next_beat = 0;  ///< used by the thread only
   std::thread thread;
 };
 
@@ -173,7 +174,7 @@ void Watch::heartbeat(TimeNs next_due) {
   const bool was_resting = impl_->last_beat.exchange(wall_now()) == kResting;
   const bool was_silent = impl_->silent.exchange(false);
   impl_->due.store(next_due);
-  // Later deadlines need no wake-up: the watch looks again when its own has come.
+  // A later deadline needs no wake-up: the thread computes it when the current one has passed.
   if (was_resting || was_silent || next_due < impl_->sleeping_until.load()) {
     impl_->wake();
   }

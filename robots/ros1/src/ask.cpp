@@ -30,8 +30,8 @@ bool may_wait(const Limit& limit) {
 
 using Addresses = std::unique_ptr<addrinfo, void (*)(addrinfo*)>;
 
-/// getaddrinfo() cannot be cancelled, and waits for name servers that do not answer. Its thread
-/// owns this object together with the thread that waits.
+/// Shared by the waiting thread and the thread of getaddrinfo(), which cannot be cancelled and
+/// waits for name servers that do not answer.
 struct Resolution {
   std::mutex mutex;
   std::condition_variable changed;
@@ -58,7 +58,7 @@ void resolve(const std::shared_ptr<Resolution>& resolution, const Address& addre
 
 constexpr std::size_t kLongestHeader = 1'000'000;
 
-/// Little endian, as TCPROS has it.
+/// Length in little endian, as in TCPROS.
 std::string length_of(const std::string& text) {
   std::string bytes(4, '\0');
   for (std::size_t i = 0; i < bytes.size(); ++i) {
@@ -75,7 +75,7 @@ std::size_t read_length(std::string_view bytes) {
   return length;
 }
 
-/// One connection.
+/// One connection for one request.
 class Question {
  public:
   Question(const Address& address, const Limit& limit) : address_(address), limit_(limit) {}
@@ -106,7 +106,7 @@ class Question {
 
   bool ask_for_pid() { return send_request() && receive_status(); }
 
-  /// A field of TCPROS is its length, and "key=value".
+  /// A field of TCPROS consists of its length and "key=value".
   bool ask_for_header(const std::string& self, const std::string& topic,
                       std::map<std::string, std::string>& header) {
     std::string fields;
@@ -152,7 +152,7 @@ class Question {
     return send_text(request);
   }
 
-  /// A few hundred bytes fit the empty buffer of a new connection.
+  /// Does not block: a few hundred bytes fit the empty buffer of a new connection.
   bool send_text(const std::string& text) {
     const auto sent = ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL);
     return sent == static_cast<ssize_t>(text.size()) || fail(errno);

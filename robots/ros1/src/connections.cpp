@@ -21,7 +21,7 @@ using XmlRpc::XmlRpcValue;
 /// Type of a subscriber that takes every type, such as rostopic.
 constexpr const char* kAnyType = "*";
 
-/// Publishers, subscribers and services. Not an array if the master does not answer.
+/// Lists publishers, subscribers and services. Not an array if the master does not answer.
 XmlRpcValue system_state(const std::string& self) {
   XmlRpcValue request;
   XmlRpcValue response;
@@ -31,8 +31,8 @@ XmlRpcValue system_state(const std::string& self) {
                                                                                  : XmlRpcValue();
 }
 
-/// The names of the nodes of a topic.
-/// @param topics of system_state(): of publishers, or of subscribers
+/// Names of the nodes of a topic.
+/// @param topics publishers or subscribers of system_state()
 std::vector<std::string> nodes_of(XmlRpcValue& topics, const std::string& topic) {
   std::vector<std::string> nodes;
   for (int i = 0; i < topics.size(); ++i) {
@@ -51,7 +51,7 @@ std::vector<std::string> publishers_of(const std::string& self, const std::strin
   return state.valid() ? nodes_of(state[0], topic) : std::vector<std::string>();
 }
 
-/// Empty if the master does not know the node.
+/// URI of a node. Empty if the master does not list the node.
 std::string uri_of(const std::string& self, const std::string& node) {
   XmlRpcValue request;
   XmlRpcValue response;
@@ -63,7 +63,7 @@ std::string uri_of(const std::string& self, const std::string& node) {
              : std::string();
 }
 
-/// Calls a method of a node. Not valid if it does not answer.
+/// Calls a method of a node. The result is not valid if the node does not answer.
 XmlRpcValue call(const std::string& uri, const char* method, const XmlRpcValue& request) {
   std::string host;
   std::uint32_t port = 0;
@@ -80,7 +80,7 @@ XmlRpcValue call(const std::string& uri, const char* method, const XmlRpcValue& 
              : XmlRpcValue();
 }
 
-/// Answer of a node to a call of its API; of another type when it does not answer.
+/// Calls a method without arguments. The result is not valid if the node does not answer.
 XmlRpcValue ask_node(const std::string& self, const std::string& node, const char* method) {
   XmlRpcValue request;
   request[0] = self;
@@ -88,7 +88,7 @@ XmlRpcValue ask_node(const std::string& self, const std::string& node, const cha
 }
 
 /// roscpp lists a publisher as connected while it tries to connect. Its socket may be closed, and
-/// the number be that of another connection.
+/// its number used by another connection.
 /// @param transport "TCPROS connection on port 37726 to [robot:42913 on socket 21]"
 bool is_established(const std::string& transport) {
   constexpr std::string_view kSocket = " on socket ";
@@ -127,11 +127,11 @@ bool has_publishers(const std::string& self, const std::string& topic) {
   try {
     return !publishers_of(self, topic).empty();
   } catch (const XmlRpc::XmlRpcException&) {
-    return false;  // an answer of another form than ROS's
+    return false;  // not an answer of ROS
   }
 }
 
-bool publishers_know(const std::string& self, const std::string& topic) {
+bool all_publishers_connected(const std::string& self, const std::string& topic) {
   try {
     const std::vector<std::string> nodes = publishers_of(self, topic);
     for (const std::string& node : nodes) {
@@ -142,7 +142,7 @@ bool publishers_know(const std::string& self, const std::string& topic) {
     }
     return !nodes.empty();
   } catch (const XmlRpc::XmlRpcException&) {
-    return false;  // an answer of another form than ROS's
+    return false;  // not an answer of ROS
   }
 }
 
@@ -165,7 +165,7 @@ std::vector<Link> missing_links(const std::string& self) {
   XmlRpcValue state = system_state(self);
   XmlRpcValue request;
   request[0] = self;
-  // By this address, because the one that this node registers may be wrong.
+  // Use the local address, because the one that this node registers may be wrong.
   XmlRpcValue own =
       call(fmt::format("http://127.0.0.1:{}/", ros::XMLRPCManager::instance()->getServerPort()),
            "getBusInfo", request);

@@ -13,9 +13,9 @@ namespace spikeloop::ros1 {
 /// As Session::has_publishers.
 bool has_publishers(const std::string& self, const std::string& topic);
 
-/// As Session::publishers_know_us.
-/// @param self the name of our node
-bool publishers_know(const std::string& self, const std::string& topic);
+/// As Session::publishers_are_connected.
+/// @param self name of this node
+bool all_publishers_connected(const std::string& self, const std::string& topic);
 
 /// Another node of one of this node's topics.
 struct Link {
@@ -31,11 +31,11 @@ struct Link {
 /// @throws XmlRpc::XmlRpcException: the answer has another form than a master's
 std::vector<Link> missing_links(const std::string& self);
 
-/// Type that a subscriber takes. Empty if it takes every type, or does not answer. Another type
-/// than the publisher's has no connection.
+/// Type of a subscriber. Empty if it accepts every type, or does not answer. A subscriber of
+/// another type than the publisher's is not connected.
 std::string subscribed_type(const std::string& self, const Link& subscriber);
 
-/// Address from which a publisher that answers sends its messages.
+/// Address from which a publisher sends its messages; nullopt if it does not answer.
 std::optional<Address> data_address(const std::string& self, const Link& publisher);
 
 }  // namespace spikeloop::ros1

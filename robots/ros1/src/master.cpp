@@ -16,10 +16,10 @@ namespace spikeloop::ros1 {
 namespace {
 
 constexpr TimeNs kRetry = 100'000'000;
-/// A single question has so much time, even with a timeout of zero.
+/// Minimum time limit of a request, even with a timeout of zero.
 constexpr TimeNs kLeastPatience = 500'000'000;
-/// The first question may wait so long, each next one twice as long: under load a connection may
-/// be lost, and then only a new one helps; but a master that is slow must get its time, too.
+/// Time limit of the first request. The limit doubles with every request: under load a connection
+/// may be lost, so that only a new one helps, but a slow master needs time to answer.
 constexpr TimeNs kFirstPatience = 1'000'000'000;
 
 bool is_set(const std::atomic<bool>* flag) {

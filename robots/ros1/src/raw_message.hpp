@@ -1,4 +1,4 @@
-// A message of any type as bytes, as roscpp wants it.
+// A message of any type as bytes, with the traits that roscpp requires.
 #pragma once
 
 #include <ros/message_traits.h>
@@ -18,7 +18,7 @@ struct RawMessage {
 
 namespace ros::message_traits {
 
-// "*": any type; the topic's own is given where it is advertised or subscribed.
+// "*": any type. The type of a topic is given when it is advertised or subscribed.
 template <>
 struct MD5Sum<spikeloop::ros1::RawMessage> {
   static const char* value() { return "*"; }

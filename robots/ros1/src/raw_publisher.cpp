@@ -21,9 +21,9 @@ namespace {
 
 constexpr auto kLongestDrain = std::chrono::milliseconds(500);
 
-/// roscpp sets TCP_NODELAY only where the subscriber asks for it, and drivers rarely do: a command
-/// that follows another one closely would then wait up to 40 ms for the other side's delayed
-/// acknowledgement. So we set it on every connection to roscpp's port.
+/// roscpp sets TCP_NODELAY only if the subscriber requests it, which drivers rarely do: a command
+/// soon after another one would wait up to 40 ms for the other side's delayed acknowledgement. This
+/// function sets it on every connection to roscpp's port.
 void send_without_delay() {
   const auto port = static_cast<std::uint16_t>(ros::ConnectionManager::instance()->getTCPPort());
   std::error_code error;
@@ -66,14 +66,14 @@ bool RawPublisher::has_subscribers() const {
   return publisher_.getNumSubscribers() != 0;
 }
 
-// roscpp's network thread goes round: it takes what was published, then writes to the sockets that
-// are ready, then starts again. After two whole rounds everything is with the kernel.
+// roscpp's network thread works in rounds: it takes published messages, then writes to the sockets
+// that are ready. After two whole rounds the kernel has all messages.
 void RawPublisher::drain() const {
   const auto rounds = std::make_shared<std::atomic<int>>(0);
   const auto& network = ros::PollManager::instance();
   boost::signals2::connection listening = network->addPollThreadListener([rounds] { ++*rounds; });
   const auto end = std::chrono::steady_clock::now() + kLongestDrain;
-  // The round that is under way when we come counts once more.
+  // Wait for three rounds, because the first one may have begun before.
   while (rounds->load() < 3 && std::chrono::steady_clock::now() < end) {
     network->getPollSet().signal();
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

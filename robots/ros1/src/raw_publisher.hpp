@@ -1,4 +1,4 @@
-// A topic out: the only way in which this module sends.
+// Publisher of messages as bytes, the only sender of this module.
 #pragma once
 
 #include <ros/ros.h>
@@ -21,7 +21,7 @@ class RawPublisher : public topics::RawPublisher {
 
   void publish(std::span<const std::byte> message) override;
   bool has_subscribers() const override;
-  /// Leaves roscpp's network thread time to hand what was published to the system.
+  /// Waits until roscpp's network thread has passed the published messages to the kernel.
   void drain() const override;
 
  private:

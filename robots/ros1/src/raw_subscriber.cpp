@@ -47,7 +47,8 @@ bool Receiver::refuse_other_type(const PublisherHeader& publisher) {
   if (type == type_) {
     other.type.clear();
     other.text = fmt::format(
-        "topic '{}' carries another version of {} (md5 sum {}, ours is {}); its publisher must use "
+        "topic '{}' carries another version of {} (md5 sum {}, Spikeloop's is {}); its publisher "
+        "must use "
         "the version of ROS Noetic",
         wanted_.topic, type_, md5, md5_);
   }

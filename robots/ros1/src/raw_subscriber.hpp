@@ -1,4 +1,4 @@
-// A topic in.
+// Subscriber of messages as bytes.
 #pragma once
 
 #include <ros/ros.h>
@@ -14,7 +14,7 @@
 
 namespace spikeloop::ros1 {
 
-/// Fields of a publisher's side of a connection: `type`, `md5sum`, `callerid`...
+/// Connection header of a publisher: `type`, `md5sum`, `callerid`...
 using PublisherHeader = std::map<std::string, std::string>;
 
 /// Takes the messages of a subscription. Shared with roscpp, because unsubscribing waits for no
@@ -30,7 +30,7 @@ class Receiver {
 
   void take(const ros::MessageEvent<const RawMessage>& event);
   /// Reports a publisher that has another type, or another version of this one.
-  /// @return true if it has
+  /// @return true if it was reported
   bool refuse_other_type(const PublisherHeader& publisher);
   /// Reports that this process subscribes to the topic with another type.
   void refuse_conflict() const;

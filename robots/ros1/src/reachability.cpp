@@ -28,13 +28,13 @@
 namespace spikeloop::ros1 {
 namespace {
 
-/// After a topic appears, connections are compared more often for this time.
+/// Time after the first appearance of a topic in which its connections are checked more often.
 constexpr TimeNs kFirstLooks = 5 * kNsPerSecond;
 constexpr TimeNs kPeriod = kNsPerSecond / 5;
 constexpr TimeNs kLaterPeriod = 2 * kNsPerSecond;
 /// A connection that is missing for less time may be under way.
 constexpr TimeNs kConnecting = kNsPerSecond;
-constexpr TimeNs kPatience = 2 * kNsPerSecond;  // time limit of one question
+constexpr TimeNs kPatience = 2 * kNsPerSecond;  // time limit of a request
 
 std::string describe(const Fault& fault, const Address& address) {
   switch (fault.kind) {
@@ -95,7 +95,7 @@ struct ReachabilityWatch::Impl {
     own_address = wrong ? OwnAddress::wrong : OwnAddress::right;
   }
 
-  /// Logs the warning, too.
+  /// Also logs the warning.
   bool has_wrong_address() const {
     const auto own = parse_uri(ros::XMLRPCManager::instance()->getServerURI());
     if (!own) {
@@ -189,7 +189,8 @@ struct ReachabilityWatch::Impl {
   }
 
   /// Reports another type to the subscriptions of the topic.
-  /// @param asked becomes the address of the publisher's messages, `fault` its fault
+  /// @param asked receives the address of the publisher's messages
+  /// @param fault receives the reason of a missing answer
   bool has_other_type(const Link& publisher, Address& asked, std::optional<Fault>& fault) {
     const auto data = data_address(self, publisher);
     if (!data) {
@@ -245,9 +246,9 @@ struct ReachabilityWatch::Impl {
   std::set<std::string> known;  // topics of this process
   TimeNs look_often_until = wall_now() + kFirstLooks;
   std::atomic<bool> ending{false};
-  mutable std::mutex mutex;  // of the members below
+  mutable std::mutex mutex;  // protects the members below
   std::condition_variable changed;
-  std::map<Link, Missing> missing;  // written by the thread only
+  std::map<Link, Missing> missing;  // written by the thread of the watch only
   OwnAddress own_address = OwnAddress::unknown;
   std::set<std::string> warned;
   std::map<std::string, std::vector<topics::Partner>> refused;
@@ -280,7 +281,7 @@ void ReachabilityWatch::add(const std::shared_ptr<Receiver>& receiver) {
   impl_->receivers.push_back(receiver);
 }
 
-bool ReachabilityWatch::explains(const std::string& topic) const {
+bool ReachabilityWatch::has_warned_of(const std::string& topic) const {
   const std::lock_guard lock(impl_->mutex);
   return impl_->own_address != Impl::OwnAddress::right || impl_->warned.contains(topic) ||
          std::ranges::any_of(impl_->missing, [&](const auto& entry) {

@@ -75,7 +75,7 @@ Session::Session(const SessionSettings& settings) : impl_(std::make_unique<Impl>
   ros::M_string arguments = settings.arguments;
   arguments["__master"] = uri;
   start_ros(arguments, node_name, options);
-  // The master answered a moment ago; should it die now, calls fail rather than wait for ever.
+  // The master has just answered. If it dies now, calls must fail instead of waiting without limit.
   ros::master::setRetryTimeout(ros::WallDuration(to_seconds(settings.master_timeout)));
   impl_->master_uri = uri;
   impl_->node = std::make_unique<ros::NodeHandle>();
@@ -147,11 +147,11 @@ std::vector<topics::Partner> Session::subscribers(const std::string& topic) cons
 }
 
 bool Session::has_warned_of_unreachable_node(const std::string& topic) const {
-  return impl_->watch && impl_->watch->explains(topic);
+  return impl_->watch && impl_->watch->has_warned_of(topic);
 }
 
-bool Session::publishers_know_us(const std::string& topic) const {
-  return publishers_know(node_name(), topic);
+bool Session::publishers_are_connected(const std::string& topic) const {
+  return all_publishers_connected(node_name(), topic);
 }
 
 }  // namespace spikeloop::ros1

@@ -109,7 +109,7 @@ std::vector<topics::Partner> Session::subscribers(const std::string& topic) cons
   return partners;
 }
 
-bool Session::publishers_know_us(const std::string& topic) const {
+bool Session::publishers_are_connected(const std::string& topic) const {
   return !impl_->left && impl_->acquaintance.with_publishers(dds_topic(topic));
 }
 

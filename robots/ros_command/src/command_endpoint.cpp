@@ -21,12 +21,12 @@
 namespace spikeloop::ros_command {
 namespace {
 
-/// Time in which a robot subscribes.
+/// Time for a robot to subscribe before a warning.
 constexpr TimeNs kPatience = 2 * kNsPerSecond;
 
 constexpr TimeNs kCheckPeriod = kNsPerSecond / 10;
 
-/// Time in which the guard is connected to a robot that has subscribed: over Fast DDS two nodes
+/// Longest wait for the guard's connection to a robot that has subscribed: over Fast DDS two nodes
 /// discover each other within two seconds.
 constexpr TimeNs kGuardPatience = 3 * kNsPerSecond;
 
@@ -53,7 +53,7 @@ guard::Hello guard_hello(const topics::Session& session, const command::CommandS
           .stop = stop_message(publisher, first_stop)};
 }
 
-/// A node that subscribes to the commands with another type.
+/// Node that subscribes to the commands with another type; nullopt if there is none.
 std::optional<topics::Partner> subscriber_of_other_type(const topics::Session& session,
                                                         const std::string& topic,
                                                         const std::string& message_type) {
@@ -67,8 +67,8 @@ std::optional<topics::Partner> subscriber_of_other_type(const topics::Session& s
 
 constexpr std::string_view kManual = "_manual";
 
-/// The default topic of manual commands follows that of the commands: two robots whose commands
-/// have been remapped have a topic each. A rule for the topic itself has priority.
+/// Topic of manual commands. The default is remapped as the topic of the commands, so that two
+/// robots have different topics. A remapping rule for the topic itself has priority.
 std::string manual_topic(const topics::Session& session, const std::string& commands,
                          const std::string& manual) {
   if (manual.empty() || manual != commands + std::string(kManual)) {
@@ -81,7 +81,7 @@ std::string manual_topic(const topics::Session& session, const std::string& comm
   return has_rule ? manual : session.whole_topic(commands) + std::string(kManual);
 }
 
-/// The settings with the topics as other nodes see them.
+/// Settings with the names of topics after remapping.
 command::CommandSettings as_in_ros(const topics::Session& session,
                                    command::CommandSettings settings) {
   if (!session.local()) {
@@ -127,7 +127,7 @@ CommandEndpoint::CommandEndpoint(topics::Session& session, const command::Comman
 
 CommandEndpoint::~CommandEndpoint() = default;
 
-/// Called by any thread that stops the robot, which must never wait for a disk.
+/// Called by any thread that stops the robot. Must not wait for a disk.
 void CommandEndpoint::publish(std::span<const double> values) {
   // A robot may have subscribed after begin_tick().
   if (waits_for_guard_ && sink_.drives() && publisher_.raw().has_subscribers()) {
@@ -155,7 +155,7 @@ void CommandEndpoint::finish() {
 
 TimeNs CommandEndpoint::beat(TimeNs now) {
   leave_to_guard_if_dead();
-  // The guard sends what this process would send to stop the robot now.
+  // The guard must send the same stop command as this process.
   if (std::ranges::any_of(settings_.stops, &StopRule::hold)) {
     guard_->set_stop(stop_message(publisher_, sink_.stop_values()));
   }
@@ -172,7 +172,8 @@ std::optional<command::StopReason> CommandEndpoint::lost_supervision(TimeNs now)
     case status::SupervisedRobot::State::supervised:
       break;
   }
-  // Before the first command the robot stands still anyway, until the guard is connected to it.
+  // Until the guard is connected to the robot, no command is sent (see may_begin()), so that a
+  // missing connection is not a reason to stop.
   const bool robot_subscribes = !waits_for_guard_ && publisher_.raw().has_subscribers();
   return settings_.guard_required && !guard_->guards(robot_subscribes)
              ? std::optional(command::StopReason::unguarded)
@@ -235,7 +236,7 @@ command::Condition CommandEndpoint::condition() const {
   if (condition.level == ok && !publisher_.raw().has_subscribers()) {
     const std::string misfit = publisher_.raw().misfit();
     return {warning, misfit.empty() ? "no subscriber on '" + topic_ + "'"
-                                    : "a subscriber of '" + topic_ + "' asks for " + misfit};
+                                    : "a subscriber of '" + topic_ + "' requests " + misfit};
   }
   if (condition.level == ok && waits_for_guard_) {
     return {warning, "the robot is not driven before its guard is connected to it"};
@@ -243,8 +244,9 @@ command::Condition CommandEndpoint::condition() const {
   return condition;
 }
 
-/// A robot to which the guard is not connected could not be stopped. Without a subscriber commands
-/// need no guard; a robot that subscribes later is waited for, too.
+/// Returns true if commands may be sent: the guard is connected to the robot, or there is no
+/// subscriber. Without its connection the guard could not stop the robot. Also waits for the
+/// guard's connection to a robot that subscribes later.
 bool CommandEndpoint::may_begin() {
   if (!waits_for_guard_) {
     return true;
@@ -266,7 +268,7 @@ bool CommandEndpoint::may_begin() {
         "stopped",
         topic_, format_time(kGuardPatience));
   }
-  sink_.begin_anew();
+  sink_.restart_commands();
   waits_for_guard_ = false;
   return true;
 }
@@ -283,7 +285,7 @@ bool CommandEndpoint::awaits_position() {
     begins_at_measurement = begins_at_measurement || (!settings_.stops[i].joint.empty() &&
                                                       std::isfinite(settings_.bounds[i].slew));
   }
-  if (!begins_at_measurement || told_no_position_) {
+  if (!begins_at_measurement || warned_of_no_position_) {
     return false;
   }
   const TimeNs now = wall_now();
@@ -291,7 +293,7 @@ bool CommandEndpoint::awaits_position() {
   if (now - first_tick_ < kPositionPatience) {
     return true;
   }
-  told_no_position_ = true;
+  warned_of_no_position_ = true;
   log::warning(
       "no message on topic '{}' within {}, so the measured positions are unknown; the first "
       "command "
@@ -300,7 +302,7 @@ bool CommandEndpoint::awaits_position() {
   return false;
 }
 
-/// Warns of subscribers that receive no command, and if there is none; each once.
+/// Warns once of subscribers that receive no command, and once if there is no subscriber.
 void CommandEndpoint::check_subscribers() {
   const TimeNs now = wall_now();
   if (now - checked_at_ < kCheckPeriod) {
@@ -314,21 +316,21 @@ void CommandEndpoint::check_subscribers() {
     return;
   }
   const std::string misfit = publisher_.raw().misfit();
-  if (!misfit.empty() && !std::exchange(told_misfit_, true)) {
+  if (!misfit.empty() && !std::exchange(warned_of_misfit_, true)) {
     log::warning(
-        "a subscriber of '{}' gets no command: it asks for {}; '{} info -v {}' names it: give it "
-        "the default quality of service",
+        "a subscriber of '{}' gets no command: it requests {}; give it the default quality of "
+        "service ('{} info -v {}' prints its node)",
         topic_, misfit, topics::topic_command(session_.dialect()), topic_);
   }
-  if (other && !std::exchange(told_type_, true)) {
+  if (other && !std::exchange(warned_of_type_, true)) {
     log::warning("{} subscribes to '{}' as {} and gets no command of type {}; {}, or another topic",
                  other->node.empty() ? "a node" : "node " + other->node, topic_, other->type,
                  settings_.message_type,
                  topics::remedy_for_type(other->type, settings_.message_type));
   }
-  const bool has_reason = told_misfit_ || told_type_ ||
+  const bool has_reason = warned_of_misfit_ || warned_of_type_ ||
                           session_.has_warned_of_unreachable_node(session_.whole_topic(topic_));
-  if (!subscribed && !has_reason && !std::exchange(told_none_, true)) {
+  if (!subscribed && !has_reason && !std::exchange(warned_of_no_subscriber_, true)) {
     log::warning(
         "no subscriber of {} on topic '{}'; the robot will not move. '{} info {}' shows "
         "subscribers and their types",

@@ -17,20 +17,20 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// So long a run waits for those who can stop its robot.
+/// Longest wait for a connection to programs that can stop the robot.
 constexpr milliseconds kLongestWait{2'000};
 
-/// A button that is pressed and released at once must not lose the press to the release, nor its
-/// only press to the network: ROS 2 sends it again.
+/// Unlimited: a press must not be overwritten by the release that follows at once, and ROS 2 sends
+/// it again if the network loses it.
 constexpr std::uint32_t kEveryPress = 0;
 
-/// Until everybody who publishes the topic is connected: a button that is pressed as soon as the
-/// robot drives would not be heard.
+/// Waits until all publishers of the topic are connected: otherwise a button that is pressed as
+/// soon as the robot drives would have no effect.
 void wait_for_publishers(const topics::Session& session, const std::string& topic) {
   const std::string whole = session.whole_topic(topic);
   const auto end = std::chrono::steady_clock::now() + kLongestWait;
   while (std::chrono::steady_clock::now() < end && session.has_publishers(whole) &&
-         !session.publishers_know_us(whole)) {
+         !session.publishers_are_connected(whole)) {
     std::this_thread::sleep_for(milliseconds(5));
   }
 }
@@ -85,7 +85,7 @@ void CommandTopics::report_other_types() {
 }
 
 void CommandTopics::take_emergency(std::span<const std::byte> message) {
-  bool stop = true;  // what cannot be read stops, too
+  bool stop = true;  // a message that cannot be read stops the robot, too
   try {
     std::vector<double> values;
     emergency_fields_.front().read(message, values);
@@ -115,7 +115,7 @@ void CommandTopics::take_manual(std::span<const std::byte> message) {
     return;
   }
   const auto finite = [](double value) { return std::isfinite(value); };
-  if (!std::ranges::all_of(values, finite) && !told_not_finite_.exchange(true)) {
+  if (!std::ranges::all_of(values, finite) && !warned_of_not_finite_.exchange(true)) {
     log::warning("topic '{}': a manual command that is not a finite number stops the robot",
                  settings_.manual.topic);
   }

@@ -1,4 +1,4 @@
-// The topics on which people stop the robot, or drive it themselves.
+// Topics of operator input: the emergency stop and manual commands.
 #pragma once
 
 #include <atomic>
@@ -15,11 +15,11 @@
 
 namespace spikeloop::ros_command {
 
-/// What they bring goes to the sink in the session's thread, the moment it has arrived.
+/// Passes messages to the sink in the session's thread as soon as they arrive.
 class CommandTopics {
  public:
-  /// @param message_type of the commands, and of those by hand
-  /// @param fields of the commands: a path a component, or one of a whole array
+  /// @param message_type type of the commands and of manual commands
+  /// @param fields paths of the commands: one per component, or a single one for a whole array
   /// @throws ConfigurationError: unknown type or field, an impossible topic.
   CommandTopics(topics::Session& session, const std::string& message_type,
                 const std::vector<std::string>& fields, const command::CommandSettings& settings,
@@ -28,7 +28,7 @@ class CommandTopics {
   CommandTopics(const CommandTopics&) = delete;
   CommandTopics& operator=(const CommandTopics&) = delete;
 
-  /// Warns of topics that carry another type; each once. To be called from the loop's thread.
+  /// Warns once per topic that carries another type. Call in the loop's thread.
   void report_other_types();
 
  private:
@@ -44,7 +44,7 @@ class CommandTopics {
   std::vector<messages::FieldReader> manual_fields_;
   topics::OtherTypes other_types_;
   std::atomic<bool> warned_{false};
-  std::atomic<bool> told_not_finite_{false};
+  std::atomic<bool> warned_of_not_finite_{false};
   std::unique_ptr<topics::RawSubscriber> emergency_;
   std::unique_ptr<topics::RawSubscriber> manual_;
 };

@@ -13,14 +13,14 @@
 
 namespace spikeloop::ros_command {
 
-/// A status on /diagnostics (diagnostic_msgs/DiagnosticArray), as REP 107 has it: every second, and
-/// when it changes.
+/// Publishes the condition of the robot on /diagnostics (diagnostic_msgs/DiagnosticArray, REP 107):
+/// every second, and when it changes.
 class Diagnostics {
  public:
-  /// @param topic of the commands
+  /// @param topic topic of the commands
   Diagnostics(topics::Session& session, const std::string& topic);
 
-  /// To be called by one thread. Returns the wall time of the next call.
+  /// Call in a single thread. Returns the wall time of the next call.
   TimeNs publish(TimeNs now, const command::Condition& condition, const command::CommandSink& sink);
 
  private:
@@ -29,10 +29,10 @@ class Diagnostics {
   std::string name_;
   messages::Dialect dialect_;
   std::unique_ptr<topics::RawPublisher> publisher_;
-  std::optional<messages::MessageWriter> writer_;  ///< made when the counters are known
+  std::optional<messages::MessageWriter> writer_;  ///< created with the first counters
   std::vector<std::byte> message_;
   command::Condition told_{};
-  TimeNs sent_ = 0;  ///< wall time
+  TimeNs sent_ = 0;  ///< wall time of the newest message
 };
 
 }  // namespace spikeloop::ros_command

@@ -30,7 +30,7 @@ MeasuredPositions::MeasuredPositions(topics::Session& session,
                               fmt::format("position[name={}]", rule.joint));
     }
   }
-  // Lockstep waits for all messages; in all other cases the newest one counts.
+  // Lockstep needs all messages; otherwise the newest one is enough.
   const bool all = settings.clock == command::CommandClock::lockstep;
   subscriber_ =
       session.subscriber({.topic = topic_,
@@ -52,7 +52,7 @@ void MeasuredPositions::take(std::span<const std::byte> message) {
     for (std::size_t i = 0; i < readers_.size(); ++i) {
       value.clear();
       const bool is_there = readers_[i] && readers_[i]->read(message, value) > 0;
-      // Several programs may report some of the joints each.
+      // Several programs may each publish some of the joints.
       positions_[i] = is_there ? value.front() : std::numeric_limits<double>::quiet_NaN();
     }
     sink_.measure(positions_);

@@ -17,7 +17,8 @@ namespace {
 constexpr const char* kNamespace = "__ns";
 constexpr const char* kNodeName = "__name";
 
-/// An option may have such a value: --robot-arg=/scan:=/front/scan.
+/// Arguments that begin with '-' are no names: the value of an option may contain ":=", as in
+/// --robot-arg=/scan:=/front/scan.
 bool add_name(const std::string& argument, RosArguments& names) {
   const auto place = argument.find(":=");
   if (place == std::string::npos || place == 0 || argument.front() == '-') {
@@ -28,7 +29,7 @@ bool add_name(const std::string& argument, RosArguments& names) {
   return true;
 }
 
-/// What stands behind --ros-args: options, each with words behind it.
+/// Parser of the arguments after --ros-args: options, each followed by its values.
 class Ros2Arguments {
  public:
   explicit Ros2Arguments(CommandLine& line) : line_(line) {}
@@ -64,8 +65,8 @@ class Ros2Arguments {
   }
 
   CommandLine& line_;
-  bool remap_ = false;    ///< a rule comes next
-  bool foreign_ = false;  ///< a word belongs to what was foreign before it
+  bool remap_ = false;    ///< the next word is a rule
+  bool foreign_ = false;  ///< a value belongs to the ignored option before it
 };
 
 std::optional<bool> truth_of(std::string_view text) {
@@ -74,7 +75,8 @@ std::optional<bool> truth_of(std::string_view text) {
                            : std::nullopt;
 }
 
-/// Of a file of parameters for any node, as launch files write it, that has no other parameter.
+/// Value in a parameter file for any node, as launch files write it. nullopt if the file has other
+/// parameters.
 std::optional<bool> use_sim_time_in_file(const std::string& path) {
   constexpr std::string_view kParameter = "use_sim_time:";
   std::ifstream file(path);
@@ -89,7 +91,7 @@ std::optional<bool> use_sim_time_in_file(const std::string& path) {
   return found;
 }
 
-/// Of "-p use_sim_time:=true" and the like.
+/// Value of "-p use_sim_time:=true" or of a parameter file; nullopt for other arguments.
 std::optional<bool> use_sim_time_of(const std::string& foreign) {
   std::istringstream words(foreign);
   std::string option;
@@ -106,7 +108,7 @@ std::optional<bool> use_sim_time_of(const std::string& foreign) {
   return option == "--params-file" ? use_sim_time_in_file(value) : std::nullopt;
 }
 
-/// The topic of a rule, which ROS 2 lets begin with the name of the node that it is for.
+/// Topic of a rule. In ROS 2 a rule may begin with the name of the node to which it applies.
 std::string topic_of_rule(messages::Dialect ros, const std::string& name) {
   const auto colon = ros == messages::Dialect::ros2 ? name.find(':') : std::string::npos;
   return colon == std::string::npos ? name : name.substr(colon + 1);

@@ -12,10 +12,10 @@
 namespace spikeloop::topics {
 namespace {
 
-/// A message, as it came and as events.
+/// A message as bytes and as events.
 struct Arrival {
   messages::EventMessage events{};
-  std::vector<std::byte> bytes{};  ///< when somebody keeps it
+  std::vector<std::byte> bytes{};  ///< empty if messages are not recorded
   TimeNs at = 0;
   bool good = false;
 };
@@ -37,18 +37,18 @@ struct EventSensor::Impl {
                 .arrived = wanted.arrived},
                [this](std::span<const std::byte> bytes, TimeNs now) { return take(bytes, now); }) {}
 
-  /// In the session's thread, the moment a message has arrived.
+  /// Called in the session's thread when a message has arrived.
   std::vector<std::string> take(std::span<const std::byte> bytes, TimeNs now) {
     const bool of_run = begun;
     if (of_run && !restarted) {
-      // Nothing of the run hangs on what was before it, so that its messages alone give it again.
+      // The run must not depend on earlier messages, so that its own messages reproduce it.
       conversion.restart();
       restarted = true;
     }
     Arrival arrival{.at = now};
     try {
       arrival.good = conversion.convert(bytes, arrival.events);
-    } catch (...) {  // a message of another camera has come, too
+    } catch (...) {  // count the message of another camera, too
       const std::lock_guard lock(mutex);
       counts = conversion.counts();
       throw;
@@ -67,7 +67,7 @@ struct EventSensor::Impl {
     return warning.empty() ? std::vector<std::string>{} : std::vector{std::move(warning)};
   }
 
-  /// In the loop: what has come since the tick before.
+  /// Called in the loop. Takes the messages since the last tick.
   void take_arrivals(TimeNs begin) {
     begun = true;
     taken.clear();
@@ -87,16 +87,16 @@ struct EventSensor::Impl {
     }
   }
 
-  /// In the loop: says once that the latency is too short for the messages.
+  /// Called in the loop. Warns once if the latency is too short for the messages.
   void warn_of_lateness() {
-    if (told_late || playback.late() == 0) {
+    if (warned_of_lateness || playback.late() == 0) {
       return;
     }
-    told_late = true;
+    warned_of_lateness = true;
     const TimeNs enough = settings.latency + playback.worst_lateness();
     log::warning(
-        "topic '{}': events come up to {} too late for latency={:g} and are sent as soon as they "
-        "come; write latency={:g} to have them at their own times",
+        "topic '{}': events arrive up to {} too late for latency={:g} and are sent at once; "
+        "write latency={:g} to send them at their own times",
         settings.topic, format_time(playback.worst_lateness()), to_seconds(settings.latency),
         std::ceil(to_seconds(enough) * 1e3) / 1e3);
   }
@@ -106,17 +106,17 @@ struct EventSensor::Impl {
   bool restarted = settings.from_begin;
 
   std::atomic<bool> begun;
-  mutable std::mutex mutex;  // held for a moment, never across a tick
+  mutable std::mutex mutex;  // never held during a whole tick
   std::vector<Arrival> arrivals;
   messages::EventConversion::Counts counts;
-  std::uint64_t before_begin = 0;  // events
+  std::uint64_t before_begin = 0;  // number of events
 
   std::vector<Arrival> taken;  // used by the loop only
   std::vector<messages::EventMessage> fresh;
   TimeNs newest_at = 0;
   messages::EventPlayback playback;
-  bool told_late = false;
-  TopicReader reader;  // last: no callback comes before there is all the rest, or after
+  bool warned_of_lateness = false;
+  TopicReader reader;  // last: its callbacks use all other members
 };
 
 EventSensor::EventSensor(Session& session, const EventSensorSettings& settings)

@@ -27,7 +27,7 @@ bool is_word(std::string_view text) {
   return std::ranges::all_of(text, [](char c) { return is_letter(c) || is_digit(c) || c == '_'; });
 }
 
-/// ROS 1 looks at the first letter of the whole, and at each letter alone.
+/// ROS 1 checks the first letter of the whole name, and each letter by itself.
 bool is_ros1_topic(std::string_view topic) {
   return !topic.empty() && (is_letter(topic.front()) || topic.front() == '/') &&
          std::ranges::all_of(topic, [](char c) {
@@ -35,7 +35,7 @@ bool is_ros1_topic(std::string_view topic) {
          });
 }
 
-/// ROS 2 looks at what stands between the slashes; "~/" in front is the node's own namespace.
+/// ROS 2 checks each part between slashes. A leading "~/" is the private namespace of the node.
 bool is_ros2_topic(std::string_view topic) {
   if (topic.starts_with('~')) {
     topic.remove_prefix(1);
@@ -69,7 +69,7 @@ bool is_node_name(Dialect ros, std::string_view name) {
 /// geometry_msgs/TwistStamped has a header and the member `twist`.
 constexpr const char* kStamped = "Stamped";
 
-/// "twist" of "geometry_msgs/Twist".
+/// Member of the stamped type: "twist" of "geometry_msgs/Twist".
 std::string member_of(const std::string& type) {
   std::string name = type.substr(type.rfind('/') + 1);
   std::ranges::transform(name, name.begin(), [](char c) {

@@ -28,7 +28,7 @@ bool has_free_header(const messages::Catalog& catalog, const std::string& messag
          });
 }
 
-/// Behind the fields of the values.
+/// Appends the stamp to the fields of the values.
 std::vector<std::string> with_stamp(std::vector<std::string> fields, bool stamped) {
   if (stamped) {
     fields.insert(fields.end(), {"header.stamp.secs", "header.stamp.nsecs"});
@@ -36,7 +36,7 @@ std::vector<std::string> with_stamp(std::vector<std::string> fields, bool stampe
   return fields;
 }
 
-/// Since 1970, in whole seconds and the nanoseconds after them.
+/// Wall time since 1970: whole seconds, and the remaining nanoseconds.
 std::array<double, 2> wall_time() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const auto seconds = std::chrono::floor<std::chrono::seconds>(now);
@@ -76,7 +76,7 @@ struct Publisher::Impl {
   bool stamped;
   messages::MessageWriter writer;
   bool one_array;
-  std::vector<messages::FieldValue> values;  ///< kept from message to message
+  std::vector<messages::FieldValue> values;  ///< reused for every message
   std::vector<std::byte> bytes;
   std::unique_ptr<RawPublisher> publisher;
 };

@@ -33,11 +33,11 @@ struct Line {
   system_clock::time_point time = system_clock::now();
 };
 
-/// A message of /rosout.
+/// Format of messages on /rosout.
 struct Form {
   const char* type;
-  const char* stamp;               ///< its field
-  std::array<double, 4> levels{};  ///< of a log::Level
+  const char* stamp;               ///< path of the stamp
+  std::array<double, 4> levels{};  ///< number of each log::Level
 };
 
 const Form& form_of(messages::Dialect dialect) {
@@ -46,7 +46,8 @@ const Form& form_of(messages::Dialect dialect) {
   return dialect == messages::Dialect::ros1 ? ros1 : ros2;
 }
 
-/// "arena.brain" of "/arena/brain", as rclcpp names the logger of a node; in ROS 1 the node itself.
+/// Name of a node's logger as in rclcpp: "arena.brain" of "/arena/brain"; in ROS 1 the name of the
+/// node.
 std::string logger_of(const Session& session) {
   std::string node = session.node_name();
   if (session.dialect() == messages::Dialect::ros1) {
@@ -59,7 +60,8 @@ std::string logger_of(const Session& session) {
 
 }  // namespace
 
-/// A thread of its own publishes: the log must not wait for DDS, which logs itself.
+/// Publishes in a separate thread: a call of the log must not wait for DDS, which also writes to
+/// the log.
 class Rosout::Impl {
  public:
   explicit Impl(Session& session)

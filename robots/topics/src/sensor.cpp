@@ -11,7 +11,8 @@
 namespace spikeloop::topics {
 namespace {
 
-/// What the network seldom brings whole when nothing is sent again: messages of many packets.
+/// True for messages of many packets, which often arrive incomplete unless lost packets are sent
+/// again.
 bool is_large(messages::Dialect ros, const std::string& message_type) {
   const std::string type = messages::Catalog::for_type(ros, message_type).full_name(message_type);
   return type == "sensor_msgs/Image" || type == "sensor_msgs/CompressedImage" ||
@@ -45,10 +46,10 @@ struct Sensor::Impl {
                 .arrived = wanted.arrived},
                [this](std::span<const std::byte> bytes, TimeNs now) { return take(bytes, now); }) {}
 
-  /// In the session's thread, the moment a message has arrived.
+  /// Called in the session's thread when a message has arrived.
   std::vector<std::string> take(std::span<const std::byte> bytes, TimeNs now) {
     const bool good = convert(bytes);
-    // Values and message at once: a tick uses what is kept for it, and nothing else.
+    // Update values and kept messages together, so that a tick uses exactly the kept messages.
     const std::lock_guard lock(mutex);
     if (settings.keep) {
       arrivals.emplace_back(bytes.begin(), bytes.end());
@@ -71,7 +72,7 @@ struct Sensor::Impl {
     return warnings;
   }
 
-  /// A message of the wrong width has come, too. @throws as SensorConversion::convert
+  /// Counts a message of the wrong width, too. @throws as SensorConversion::convert
   bool convert(std::span<const std::byte> bytes) {
     try {
       return conversion.convert(bytes);
@@ -85,19 +86,19 @@ struct Sensor::Impl {
   SensorSettings settings;
   messages::SensorConversion conversion;  // used in the session's thread only
 
-  mutable std::mutex mutex;  // held for a copy, never across a tick
+  mutable std::mutex mutex;  // held while copying, never during a whole tick
   std::vector<double> newest;
   TimeNs arrived = 0;
-  std::uint64_t revision;                        // of `newest`
-  std::uint64_t readings = 0;                    // messages that had one
+  std::uint64_t revision;                        // revision of `newest`
+  std::uint64_t readings = 0;                    // number of messages with a reading
   std::string unread;                            // SensorConversion::unread()
-  std::vector<std::vector<std::byte>> arrivals;  // since the tick before, for `keep`
+  std::vector<std::vector<std::byte>> arrivals;  // since the last tick, for `keep`
   messages::SensorConversion::Counts counts;
 
   std::uint64_t seen = 0;  // used by the loop only
   std::uint64_t seen_readings = 0;
   std::vector<std::vector<std::byte>> taken;
-  TopicReader reader;  // last: no callback comes before there is all the rest, or after
+  TopicReader reader;  // last: its callbacks use all other members
 };
 
 Sensor::Sensor(Session& session, const SensorSettings& settings)

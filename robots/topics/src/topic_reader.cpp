@@ -16,12 +16,13 @@ namespace {
 
 constexpr TimeNs kPatience = 2 * kNsPerSecond;
 constexpr TimeNs kLook = kNsPerSecond / 10;
-/// A warning needs so many messages, of which one in this many is lost.
+/// Minimum number of messages for a warning about loss; one in kLargePart must be lost.
 constexpr std::uint64_t kLeastForLoss = 20;
 constexpr std::uint64_t kLargePart = 10;
 constexpr TimeNs kSuspension = kNsPerSecond;
 
-/// With where this node looks for others: the first thing that is wrong when nothing comes.
+/// Command that lists the topics, with the place of this node: a wrong place is the most frequent
+/// cause of missing messages.
 std::string how_to_look(const Session& session) {
   if (session.local()) {
     return {};
@@ -81,7 +82,7 @@ void TopicReader::warn(const std::string& text) const {
                settings_.topic, text);
 }
 
-/// Throws if there are no messages of the right type, else warns.
+/// Throws if no message of the right type has arrived, otherwise warns.
 void TopicReader::report_other_types() const {
   while (const auto other = other_types_.take()) {
     std::string text = other->text;
@@ -98,13 +99,14 @@ void TopicReader::report_other_types() const {
   }
 }
 
-/// Packets come, or announcements, and no message.
+/// True if packets or announcements of messages arrive, but no message.
 bool TopicReader::all_messages_incomplete() {
   looked_at_ = wall_now();
   return lost().value_or(0) > 0 && has_publishers();
 }
 
-/// Warns once if a large part of the messages is lost. A loop that was suspended lost them itself.
+/// Warns once if a large part of the messages is lost. Losses while the loop is suspended do not
+/// count.
 void TopicReader::warn_of_loss() {
   const TimeNs now = wall_now();
   if (warned_of_loss_ || now - loss_checked_at_ < kLook) {
@@ -146,15 +148,15 @@ void TopicReader::warn_of_loss() {
 void TopicReader::warn_if_silent(TimeNs now, TimeNs newest_at) {
   started_ = started_ == 0 ? now : started_;
   if (newest_at == 0 && wall_now() - looked_at_ >= kLook) {
-    all_messages_incomplete();  // what is announced counts from the first look on
+    all_messages_incomplete();  // announced messages count from the first call on
   }
-  bool& told = newest_at == 0 ? told_nothing_came_ : told_nothing_comes_;
-  if (told || (newest_at != 0 && subscriber_->latched()) ||
+  bool& warned = newest_at == 0 ? warned_of_no_message_ : warned_of_silence_;
+  if (warned || (newest_at != 0 && subscriber_->latched()) ||
       now - std::max(started_, newest_at) < kPatience ||
       session_.has_warned_of_unreachable_node(topic_)) {
     return;
   }
-  told = true;
+  warned = true;
   if (newest_at == 0 && all_messages_incomplete()) {
     log::warning(
         "topic '{}' has a publisher, but no message of it arrives whole; give the system a larger "
@@ -197,7 +199,7 @@ void TopicReader::check(std::optional<TimeNs> simulated) {
     warn_if_silent(wall_now(), newest_at);
     return;
   }
-  const TimeNs now = *simulated + 1;  // 0: none has come
+  const TimeNs now = *simulated + 1;  // 0 means that no message has arrived
   if (newest_at != noticed_) {
     noticed_ = newest_at;
     noticed_at_ = now;

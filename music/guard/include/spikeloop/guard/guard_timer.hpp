@@ -9,11 +9,11 @@ namespace spikeloop::guard {
 
 /// Wall time between two beats of a command adapter to its guard.
 inline constexpr TimeNs kBeatPeriod = 20'000'000;
-/// Delay of a beat on a busy machine.
+/// Tolerated delay of a beat on a busy machine.
 inline constexpr TimeNs kMargin = 100'000'000;
 
 /// Longest wall time between two beats of an adapter with this watchdog, or of its launcher. After
-/// it the robot is stopped.
+/// a longer silence the robot is stopped.
 TimeNs deadline_for(TimeNs watchdog);
 
 /// Wall time between two beats of a guard to an adapter, and to the launcher.
@@ -21,8 +21,8 @@ inline constexpr TimeNs kGuardBeatPeriod = 100'000'000;
 /// Wall time without a beat of the guard after which it counts as lost.
 inline constexpr TimeNs kGuardSilence = 500'000'000;
 
-/// Number of stop commands of a guard, so that the last message is one. Then it sends nothing,
-/// because another program may drive the robot.
+/// Number of stop commands of a guard, so that the robot's last message is a stop command. Then it
+/// sends nothing, because another program may drive the robot.
 inline constexpr int kZeros = 5;
 inline constexpr TimeNs kZeroInterval = 50'000'000;
 /// Stop commands without a subscriber do not count, but none is sent after this time. Over Fast DDS
@@ -37,18 +37,18 @@ enum class Cause {
 /// The watch over one command adapter. All times are wall time.
 class GuardTimer {
  public:
-  /// @param watchdog that of the adapter
+  /// @param watchdog watchdog of the adapter
   GuardTimer(TimeNs watchdog, TimeNs now);
 
   void beat(TimeNs now);
-  /// The adapter has stopped the robot for good.
+  /// Ends the watch: the adapter has stopped the robot itself.
   void done();
-  /// The connection has ended.
+  /// Begins the stop: the connection has ended.
   void lost(TimeNs now);
 
   /// Returns true if a stop command is to be sent now.
-  /// @param heard True if the commands have a subscriber
-  bool poll(TimeNs now, bool heard);
+  /// @param has_subscriber True if the commands have a subscriber
+  bool poll(TimeNs now, bool has_subscriber);
   /// Earliest time at which poll() may return true if nothing arrives.
   TimeNs next_due() const;
 

@@ -1,4 +1,4 @@
-// A command adapter's side of the guard.
+// Connection of a command adapter to the guard.
 #pragma once
 
 #include <atomic>
@@ -16,8 +16,9 @@ namespace spikeloop::guard {
 /// soon as a guard answers. All calls are safe from any thread, and none waits.
 class Link {
  public:
-  /// Waits until the guard could stop the robot, at most 5 s.
-  /// @throws TransportError if the guard cannot become a node of ROS 2, as this process has.
+  /// Waits until the guard is ready to stop the robot, at most 5 s.
+  /// @throws TransportError if the guard cannot create a node of ROS 2, although this process has
+  /// one
   explicit Link(const Hello& hello);
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
@@ -31,15 +32,15 @@ class Link {
   bool guards(bool robot_subscribes) const {
     return guarded() && (!robot_subscribes || reaches_.load());
   }
-  /// Sends a beat, reads what the guard has sent, and connects again if the guard has ended. Must
+  /// Sends a beat, reads the packets of the guard, and connects again if the guard has ended. Must
   /// be called by the thread that stops the robot: the guard acts on the silence of that thread.
-  /// Returns when to call again.
+  /// Returns the time of the next call.
   TimeNs beat(TimeNs now);
-  /// The message with which the guard stops the robot from the next beat on.
+  /// Sets the message with which the guard stops the robot. The next beat sends it to the guard.
   void set_stop(std::vector<std::byte> message);
-  /// This process cannot stop the robot any more: the guard stops it at once.
+  /// Makes the guard stop the robot at once, because this process cannot do so any more.
   void abandon();
-  /// Tells the guard to stop watching. Call after the last stop command.
+  /// Ends the guard's watch. Call after the last stop command.
   void done();
 
  private:
@@ -51,7 +52,7 @@ class Link {
   };
   using Lines = std::vector<std::pair<bool, std::string>>;  ///< true: a warning
 
-  // All are called under the lock; what is to be printed is added to `lines`.
+  // All functions below are called under the lock. They append texts to be printed to `lines`.
   bool connect(TimeNs now, Lines& lines);
   void read(TimeNs now, Lines& lines);
   void take(const Received& news, TimeNs now, Lines& lines);

@@ -12,8 +12,8 @@
 
 namespace spikeloop::command {
 
-/// Every tick brings the data_stamp value of the data behind its command: the monotonic time in
-/// seconds at which the newest message in them arrived; NaN before the first.
+/// Every tick passes the data_stamp of the data behind its command: the monotonic time in seconds
+/// at which the newest message in them arrived; NaN before the first message.
 class AgeMeter {
  public:
   static constexpr std::size_t kKept = std::size_t{1} << 17;
@@ -31,23 +31,24 @@ class AgeMeter {
   /// Returns the age of this tick's data; nullopt until a message has arrived. The latency of a new
   /// message is measured by settle().
   std::optional<TimeNs> update(double arrived_s, TimeNs now);
-  /// The commands of the waiting messages were sent at `sent`, or need not be sent because the
-  /// robot has them already. A message whose data came later than `sent` counts to the tick of its
-  /// data.
+  /// Records the latencies of the waiting messages. Their commands were sent at `sent`, or need not
+  /// be sent because they do not change. The latency of a message whose data were computed after
+  /// `sent` ends at the tick of these data.
   /// @param take called with each latency; may be empty
   void settle(TimeNs sent, const std::function<void(TimeNs latency)>& take = {});
-  /// The waiting messages get no command: the robot is stopped, or driven manually.
+  /// Discards the waiting messages: no command is sent for them, because the robot is stopped or
+  /// driven manually.
   void drop() { waiting_.clear(); }
   Report report() const;
 
  private:
   struct Message {
     TimeNs arrived = 0;
-    TimeNs ticked = 0;  ///< first tick with its data
+    TimeNs ticked = 0;  ///< time of the first tick with its data
   };
 
   double newest_ = std::numeric_limits<double>::quiet_NaN();
-  /// A ring, whole from the beginning: a loop that runs for days neither grows nor copies it.
+  /// Ring buffer of fixed size, so that a loop that runs for days allocates no memory.
   std::vector<TimeNs> latencies_ = std::vector<TimeNs>(kKept);
   std::vector<Message> waiting_;
   std::uint64_t messages_ = 0;

@@ -1,4 +1,4 @@
-// The end of a loop: takes channels, sends commands, and stops the robot in any case.
+// Sink of a loop: sends channels as commands, and stops the robot when the loop ends or fails.
 #pragma once
 
 #include <atomic>
@@ -24,11 +24,11 @@ namespace spikeloop::command {
 /// simulated time, and the time from the arrival of the message to the sending of the command.
 using TakeLatency = std::function<void(TimeNs simulated, double latency_ms)>;
 
-/// Cause of a stop, as it follows "the robot is stopped: ".
-/// @param silent_sensor index in settings.sensors, for that reason
+/// Cause of a stop as a text that follows "the robot is stopped: ".
+/// @param silent_sensor index in settings.sensors, used for `sensor_silent` only
 std::string stop_cause(StopReason reason, const CommandSettings& settings,
                        std::size_t silent_sensor);
-/// Warning of a value that the bounds have cut.
+/// Warning about a value beyond a minimum or maximum.
 std::string cut_warning(const Limiter::Cut& cut, const CommandSettings& settings);
 
 /// Condition of a robot, as in diagnostic_msgs/DiagnosticStatus of ROS.
@@ -38,16 +38,17 @@ struct Condition {
   std::string text;  ///< "the robot is stopped: ..."
 };
 
-/// Ports: `command` [width]; `with_data_stamp` `data_stamp` [1], `sensor_0` [1], ...: the times at
-/// which the newest messages arrived, in s; and the spikes `spikes_0` [width], ...
+/// Ports: `command` [width]; `data_stamp` [1] if `with_data_stamp`; `sensor_0` [1], ...: times at
+/// which the newest messages arrived, in s; `spikes_0` [width], ...: spikes on the path to the
+/// command.
 class CommandSink : public Sink {
  public:
-  /// Carries the commands.
+  /// Publishes the commands.
   class Transport {
    public:
     virtual ~Transport() = default;
     virtual void publish(std::span<const double> values) = 0;
-    /// Nothing follows: waits until all messages are on their way.
+    /// Called after the last message. Waits until all messages have been sent.
     virtual void finish() {}
     /// Called in the loop before a tick that ends at `end` sends its command. Returns false if
     /// nothing may be sent yet. @throws if nothing can be sent any more.
@@ -71,12 +72,14 @@ class CommandSink : public Sink {
   void send(const Step& step) override;
   std::vector<Counter> counters() const override;
 
-  /// The loop waits: its silence does not count, as before the first tick.
+  /// Called while the loop waits. The waiting time does not count as silence; before the first tick
+  /// there is no time-out.
   void alive();
-  /// Adds a receiver of latencies; nothing if it is empty. To be called before the loop begins.
-  /// Without `with_data_stamp` nothing is measured.
+  /// Adds a receiver of latencies. Does nothing if `take` is empty. Call before the loop begins.
+  /// Without `with_data_stamp` no latency is measured.
   void on_latency(TakeLatency take);
-  // As OperatorInput, and takes effect at once, in lockstep at the next tick. Thread-safe.
+  // Functions of OperatorInput. Input takes effect at once, in lockstep at the next tick.
+  // Thread-safe.
   void watch_publishers(std::function<bool()> has_publishers) {
     operator_.watch_publishers(std::move(has_publishers));
   }
@@ -84,27 +87,27 @@ class CommandSink : public Sink {
   void press_stop(bool pressed);
   void override_with(std::span<const double> values);
 
-  // As CommandChannel. Thread-safe.
+  // Functions of CommandChannel. Thread-safe.
   void measure(std::span<const double> positions) { channel_.measure(positions, now()); }
   std::vector<double> stop_values() const { return channel_.stop_values(now()); }
   bool drives() const { return channel_.drives(); }
-  void begin_anew() { channel_.begin_anew(now()); }
+  void restart_commands() { channel_.restart_commands(now()); }
   void allow_no_value() { channel_.allow_no_value(); }
   /// Sends the stop command as the last message.
   void stop(StopReason reason);
   Condition condition() const;
-  /// commands, latency_median_ms, latency_p99_ms, age_max_ms; null where nothing was measured.
-  /// latency_clock: wall or simulated. stopped_s: the channel's stood_for().
+  /// Keys: commands, latency_median_ms, latency_p99_ms, age_max_ms; null if nothing was measured.
+  /// latency_clock: wall or simulated. stopped_s: CommandChannel::stopped_time().
   nlohmann::json summary() const;
-  /// At the end of a run: "the robot was stopped when the run ended: ...", when it is for want of
-  /// data (a sensor is silent, or what is known is too old); empty otherwise.
+  /// Text for the end of a run: "the robot was stopped when the run ended: ...", if the reason is a
+  /// lack of data (a silent sensor, or data older than max_age); empty otherwise.
   std::string missing_data() const;
 
  private:
   TimeNs now() const;
-  /// Reason in the data of a tick.
+  /// Reason to stop in the data of a tick; nullopt if there is none.
   std::optional<StopReason> reason_to_stop(const Step& step, TimeNs now);
-  /// nullopt without data, or before their first message.
+  /// Age of the data behind a command. nullopt without data, or before their first message.
   std::optional<TimeNs> age_of_data(const Step& step, TimeNs now);
   void note_arrivals(const Step& step, TimeNs now);
   void settle_latencies(TimeNs simulated);
@@ -119,8 +122,8 @@ class CommandSink : public Sink {
   Transport& transport_;
   std::atomic<TimeNs> simulated_{0};  ///< end of the newest tick
   std::atomic<TimeNs> published_{0};  ///< time after the newest message was sent
-  bool ticked_ = false;               ///< the loop's
-  TimeNs next_repetition_ = 0;        ///< wall time of the next zero; used by the watch only
+  bool ticked_ = false;               ///< used by the loop only
+  TimeNs next_repetition_ = 0;  ///< wall time of the next stop command; used by the watch only
   std::mutex stopping_;
   bool stopped_ = false;
   Condition condition_of(const CommandChannel::Standing& standing) const;
@@ -132,10 +135,10 @@ class CommandSink : public Sink {
   AgeMeter age_;
   SilenceWatch sensors_;
   SilenceWatch spikes_;
-  std::atomic<std::size_t> silent_sensor_{0};  ///< when one last was
+  std::atomic<std::size_t> silent_sensor_{0};  ///< index of the newest silent sensor
   std::vector<TakeLatency> take_latency_;
   OperatorInput operator_;
-  std::optional<Watch> watch_;  ///< the last: it uses all the rest
+  std::optional<Watch> watch_;  ///< last member: its thread uses all others
 };
 
 }  // namespace spikeloop::command

@@ -15,34 +15,36 @@ namespace spikeloop::command {
 struct Bounds {
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
-  double slew = std::numeric_limits<double>::infinity();  ///< fastest change per second
-  bool zero_stands = true;  ///< True if 0 stops the component; false for a position
+  double slew = std::numeric_limits<double>::infinity();  ///< maximum change per second
+  bool zero_stops = true;  ///< True if 0 stops the component; false for a position
 };
 
-/// Between any two calls no component moves by more than its slew rate times the time between them.
+/// Limits values and slew rates. Between two calls a component changes by at most its slew rate
+/// times the elapsed time.
 class Limiter {
  public:
   struct Cut {
     std::size_t component = 0;
-    double value = 0;  ///< as it came
+    double value = 0;  ///< before it was limited
   };
 
-  /// @param bounds one per component; fewer: the others have none
+  /// @param bounds one per component; if fewer, the remaining components have no bounds
   Limiter(std::vector<Bounds> bounds, std::size_t components);
 
-  /// The robot is stopped by `values`, from which the next commands slew. NaN:
-  /// unknown, the next command is reached at once.
+  /// Sets the values of a stop command, from which the next commands slew. NaN: unknown, the next
+  /// command is reached at once.
   void restart(std::span<const double> values, TimeNs now);
   /// Limits finite values. The result is valid until the next call.
-  /// @param may_stand 0 is within all bounds: a person may always stop the robot
-  std::span<const double> shape(std::span<const double> values, TimeNs now, bool may_stand = false);
-  /// Calls in which a value lay beyond a minimum or maximum.
+  /// @param accept_zero True if 0 is accepted in spite of the bounds
+  std::span<const double> shape(std::span<const double> values, TimeNs now,
+                                bool accept_zero = false);
+  /// Number of calls with a value beyond a minimum or maximum.
   std::uint64_t cuts() const { return cuts_; }
   const std::optional<Cut>& first_cut() const { return first_cut_; }
 
  private:
   std::vector<Bounds> bounds_;
-  std::vector<double> values_;  ///< at `time_`
+  std::vector<double> values_;  ///< values at `time_`
   TimeNs time_ = 0;
   std::uint64_t cuts_ = 0;
   std::optional<Cut> first_cut_;

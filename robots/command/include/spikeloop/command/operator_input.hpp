@@ -1,5 +1,5 @@
 // Input other than the network's commands: the emergency stop, STOP of the live view, manual
-// commands, and whether the job is supervised.
+// commands, and lost supervision.
 #pragma once
 
 #include <functional>
@@ -34,21 +34,23 @@ class OperatorInput {
   OperatorInput(const EmergencyStop& settings, CommandChannel& channel)
       : rule_(settings), channel_(channel) {}
 
-  /// Sets the function that tells whether the emergency stop's topic has a publisher. The former
-  /// one is not called after the return.
+  /// Sets the function that returns true if the topic of the emergency stop has a publisher. The
+  /// previous function is not called after this call has returned.
   void watch_publishers(std::function<bool()> has_publishers);
   // Input takes effect when apply() is called.
 
   /// Takes a message of the emergency stop.
   void emergency(bool stop, TimeNs wall);
-  /// STOP of the live view, which no message releases.
+  /// Sets STOP of the live view. Messages of the emergency stop do not release it.
   void press_stop(bool pressed);
-  /// Reason to stop while the robot is not supervised or guarded; nullopt: it may be driven.
+  /// Sets the reason to stop while the robot is not supervised or guarded; nullopt if it may be
+  /// driven.
   void set_lost_supervision(std::optional<StopReason> reason);
   /// Takes a manual command.
   void override_with(std::span<const double> values);
-  /// @param wall time for the timeout of the emergency stop
-  /// @param now time of the channel
+  /// Applies the input to the channel.
+  /// @param wall wall time, for the time-out of the emergency stop
+  /// @param now time of the channel's clock
   void apply(TimeNs wall, TimeNs now);
 
  private:

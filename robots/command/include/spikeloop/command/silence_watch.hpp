@@ -11,16 +11,17 @@ namespace spikeloop::command {
 
 class SilenceWatch {
  public:
-  /// @param timeouts one per source; 0: it may be silent
+  /// @param timeouts one per source; 0: unlimited
   explicit SilenceWatch(const std::vector<TimeNs>& timeouts)
-      : timeouts_(timeouts), heard_(timeouts.size()) {}
+      : timeouts_(timeouts), arrivals_(timeouts.size()) {}
 
   /// Sets the arrival time of the newest message of a source.
-  void heard(std::size_t source, TimeNs at) { heard_[source] = at; }
-  /// The first source that has been silent for longer than its timeout, or was never heard.
+  void set_arrival(std::size_t source, TimeNs at) { arrivals_[source] = at; }
+  /// Index of the first source whose newest message is older than its timeout, or that has sent no
+  /// message. nullopt: no source is silent
   std::optional<std::size_t> silent(TimeNs now) const {
     for (std::size_t i = 0; i < timeouts_.size(); ++i) {
-      if (timeouts_[i] != 0 && (!heard_[i] || now - *heard_[i] > timeouts_[i])) {
+      if (timeouts_[i] != 0 && (!arrivals_[i] || now - *arrivals_[i] > timeouts_[i])) {
         return i;
       }
     }
@@ -29,7 +30,7 @@ class SilenceWatch {
 
  private:
   std::vector<TimeNs> timeouts_;
-  std::vector<std::optional<TimeNs>> heard_;
+  std::vector<std::optional<TimeNs>> arrivals_;
 };
 
 }  // namespace spikeloop::command

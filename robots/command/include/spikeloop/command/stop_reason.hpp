@@ -15,7 +15,7 @@ enum class StopReason : std::uint8_t {
   sensor_silent,      ///< a sensor that the command depends on sends nothing
   spikes_silent,      ///< no spike on the way to the command
   silent,             ///< the loop has not ticked for too long
-  continued,          ///< SIGCONT: mpirun has seen a program die, or this process was stopped
+  continued,          ///< SIGCONT: a program of the job has died, or this process was stopped
   emergency,          ///< the emergency stop is pressed
   emergency_unknown,  ///< no program reports whether the emergency stop is pressed
   stop_button,        ///< STOP is pressed in the live view
@@ -27,7 +27,7 @@ enum class StopReason : std::uint8_t {
 };
 inline constexpr std::size_t kStopReasons = 15;
 
-/// The name in counters.
+/// Name of the reason in counters.
 constexpr std::string_view stop_reason_name(StopReason reason) {
   constexpr std::array<std::string_view, kStopReasons> names = {
       "without_value", "not_finite",     "data_too_old",

@@ -1,5 +1,5 @@
-// A thread that stops the robot when the loop cannot: it watches ticks and signals, and sends what
-// is due between ticks.
+// A thread that watches ticks and signals, stops the robot when the loop cannot, and sends messages
+// that are due between ticks.
 #pragma once
 
 #include <functional>
@@ -13,10 +13,11 @@ namespace spikeloop::command {
 class Watch {
  public:
   struct Actions {
-    std::function<void(StopReason)> stop;    ///< with `silent` or `continued`: stop command, now
-    std::function<TimeNs(TimeNs now)> poll;  ///< sends what is due; returns when to call again
-    std::function<void()> interrupted{};     ///< SIGINT has come
-    /// Sends a beat to other processes; returns when to call again. May be empty.
+    std::function<void(StopReason)> stop;  ///< sends the stop command; `silent` or `continued`
+    /// Sends due messages. Returns the time of the next call.
+    std::function<TimeNs(TimeNs now)> poll;
+    std::function<void()> interrupted{};  ///< called after SIGINT
+    /// Sends a beat to other processes. Returns the time of the next call. May be empty.
     std::function<TimeNs(TimeNs now)> beat{};
   };
 
@@ -33,10 +34,10 @@ class Watch {
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
 
-  /// The loop is running; from the first heartbeat on, its silence stops the robot.
-  /// @param next_due when `poll` should be called if no heartbeat comes before
+  /// Called by the running loop. From the first heartbeat on, a missing heartbeat stops the robot.
+  /// @param next_due time at which to call `poll` if there is no heartbeat before
   void heartbeat(TimeNs next_due = kNever);
-  /// The loop has ended: its silence no longer counts.
+  /// Called when the loop has ended. Missing heartbeats no longer stop the robot.
   void rest();
 
  private:

@@ -1,4 +1,4 @@
-// The ROS 1 master: is there one?
+// The master of ROS 1.
 #pragma once
 
 #include <atomic>
@@ -10,7 +10,7 @@
 
 namespace spikeloop::ros1 {
 
-/// The environment variable that says where it is.
+/// Environment variable with the URI of the master.
 inline constexpr const char* kMasterVariable = "ROS_MASTER_URI";
 
 struct MasterAddress {
@@ -18,16 +18,17 @@ struct MasterAddress {
   std::uint16_t port = 0;
 };
 
-/// The argument __master, ROS_MASTER_URI, or http://localhost:11311 as everywhere in ROS 1.
+/// URI of the master: the argument __master, else ROS_MASTER_URI, else http://localhost:11311, the
+/// default of ROS 1.
 std::string master_uri(const topics::RosArguments& arguments = {});
 
-/// @throws ConfigurationError when it is not a http://host:port.
+/// @throws ConfigurationError if the text is not http://HOST:PORT.
 MasterAddress parse_master_uri(const std::string& uri);
 
-/// Asks the master for its process id until it answers, once at least. roscpp itself would wait for
-/// ever, and in silence, so nothing of it is called before.
-/// @return false when `cancelled` became true before an answer
-/// @throws TransportError with address, reason and remedy when `timeout` (wall time) has passed.
+/// Requests the process id of the master until it answers, at least once. roscpp itself would wait
+/// without limit and without a message; so call no function of roscpp before.
+/// @return false if `cancelled` became true before an answer
+/// @throws TransportError with address, reason and remedy after `timeout` (wall time).
 bool require_master(const std::string& uri, TimeNs timeout,
                     const std::atomic<bool>* cancelled = nullptr);
 

@@ -41,7 +41,7 @@ class Session final : public topics::Session {
   std::unique_ptr<topics::RawSubscriber> subscriber(topics::Subscription subscription) override;
   bool has_publishers(const std::string& topic) const override;
   std::vector<topics::Partner> subscribers(const std::string& topic) const override;
-  bool publishers_know_us(const std::string& topic) const override;
+  bool publishers_are_connected(const std::string& topic) const override;
 
   struct Impl;
 

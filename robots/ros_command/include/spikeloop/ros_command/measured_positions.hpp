@@ -30,7 +30,7 @@ class MeasuredPositions {
   bool has_publishers() const { return subscriber_->has_publishers(); }
   /// Messages that were received.
   std::uint64_t received() const { return received_.load(); }
-  /// Warns of publishers of another type; each once. To be called from the loop's thread.
+  /// Warns once per publisher of another type. Call in the loop's thread.
   void report_other_types();
 
  private:
@@ -39,11 +39,11 @@ class MeasuredPositions {
   const std::string topic_;
   command::CommandSink& sink_;
   std::vector<std::optional<messages::FieldReader>> readers_;  ///< per component
-  std::vector<double> positions_;  ///< of the newest message; NaN: not in it
+  std::vector<double> positions_;  ///< of the newest message; NaN: not contained
   std::atomic<std::uint64_t> received_{0};
   std::atomic<bool> warned_{false};
   topics::OtherTypes other_types_;
-  std::unique_ptr<topics::RawSubscriber> subscriber_;  ///< the last: it uses all the rest
+  std::unique_ptr<topics::RawSubscriber> subscriber_;  ///< last: uses all other members
 };
 
 }  // namespace spikeloop::ros_command

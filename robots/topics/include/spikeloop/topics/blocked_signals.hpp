@@ -1,12 +1,12 @@
-// Threads that take no signals.
+// Starts threads with blocked signals.
 #pragma once
 
 #include <signal.h>
 
 namespace spikeloop::topics {
 
-/// Threads begin with the signals blocked that are blocked where they are made. None of a
-/// session's may take one that a program waits for.
+/// New threads inherit the blocked signals of the thread that starts them. Threads of a session
+/// must not take a signal for which the program waits.
 class BlockedSignals {
  public:
   BlockedSignals() {

@@ -18,7 +18,7 @@ class Closable {
       function_(arguments...);
     }
   }
-  /// Waits for a call that is running; none runs afterwards.
+  /// Waits for a running call. Later calls do nothing.
   void close() {
     const std::lock_guard lock(mutex_);
     function_ = nullptr;

@@ -1,4 +1,4 @@
-// Topics inside one process: of a robot that is part of the experiment's process, and of a bag.
+// Topics inside one process, for bags and for a robot in the process of the experiment.
 #pragma once
 
 #include <map>
@@ -9,8 +9,8 @@
 
 namespace spikeloop::topics {
 
-/// A message goes to its subscribers in the thread that publishes it, in the order of their
-/// subscriptions, with its bytes. For one thread. Nothing is kept for later subscribers.
+/// publish() calls the subscribers in the order of their subscriptions, in the same thread. Not
+/// thread-safe. Messages are not kept for later subscribers.
 class MemorySession : public Session {
  public:
   explicit MemorySession(messages::Dialect dialect = messages::Dialect::ros1) : dialect_(dialect) {}
@@ -29,7 +29,9 @@ class MemorySession : public Session {
                                           std::uint32_t queue = 10, bool latched = false) override;
   std::unique_ptr<RawSubscriber> subscriber(Subscription subscription) override;
   bool has_publishers(const std::string& topic) const override;
-  bool publishers_know_us(const std::string& topic) const override { return has_publishers(topic); }
+  bool publishers_are_connected(const std::string& topic) const override {
+    return has_publishers(topic);
+  }
 
  private:
   struct Topic;
@@ -39,7 +41,7 @@ class MemorySession : public Session {
   std::shared_ptr<Topic> topic(const std::string& name);
 
   messages::Dialect dialect_;
-  std::map<std::string, std::shared_ptr<Topic>> topics_;  ///< by their whole names
+  std::map<std::string, std::shared_ptr<Topic>> topics_;  ///< by full name
 };
 
 }  // namespace spikeloop::topics

@@ -1,4 +1,4 @@
-// Repeated messages of a library's log.
+// Finds repeated messages in a library's log.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// Names of topics and nodes, as both versions of ROS want them, and what their users call ROS's
-// tools.
+// Names of topics and nodes in both versions of ROS, and the command-line tools of ROS.
 #pragma once
 
 #include <string>
@@ -8,20 +7,20 @@
 
 namespace spikeloop::topics {
 
-/// 1 or 2.
+/// Version of ROS: 1 or 2.
 int version_of(messages::Dialect ros);
-/// Of 1 or 2.
+/// Dialect of a version of ROS: 1 or 2.
 messages::Dialect dialect_of(int version);
-/// "ROS 1"
+/// Name of a version of ROS: "ROS 1".
 const char* name_of(messages::Dialect ros);
-/// "rostopic": the command that knows `list`, `info /scan` and `hz /scan`.
+/// Command with the subcommands `list`, `info /scan` and `hz /scan`: "rostopic".
 const char* topic_command(messages::Dialect ros);
 
-/// @throws ConfigurationError when ROS would refuse the name of a topic.
+/// @throws ConfigurationError if ROS does not accept the name of a topic.
 void check_topic(messages::Dialect ros, const std::string& topic);
-/// A node's name of any text: what ROS does not accept is '_'.
+/// Converts a text to the name of a node. Characters that ROS does not accept become '_'.
 std::string as_node_name(std::string text);
-/// @throws ConfigurationError when ROS would refuse the name of a node.
+/// @throws ConfigurationError if ROS does not accept the name of a node.
 void check_node_name(messages::Dialect ros, const std::string& name);
 
 }  // namespace spikeloop::topics

@@ -1,4 +1,4 @@
-// Reports of topics that carry another type than the one subscribed to.
+// Reports of topics that carry another type than that of the subscription.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@
 
 namespace spikeloop::topics {
 
-/// Collects what `Subscription::refuse` reports until the loop logs it. Thread-safe.
+/// Collects the reports of `Subscription::refuse` until the loop logs them. Thread-safe.
 class OtherTypes {
  public:
   void add(const OtherType& other);
-  /// The oldest report that has not been taken, with the publisher's node in its text. A report
-  /// waits until the name of the node is known, for 500 ms at most. The same text is returned once.
+  /// Returns and removes the oldest report, with the publisher's node in its text. A report waits
+  /// until the name of the node is known, for 500 ms at most. Each text is returned once.
   std::optional<OtherType> take();
   std::uint64_t count() const;  ///< reports added, repeated ones included
 

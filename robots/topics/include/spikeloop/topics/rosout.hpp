@@ -1,4 +1,4 @@
-// What a node of ROS logs, on /rosout.
+// Publishes the log of a node on /rosout.
 #pragma once
 
 #include <exception>
@@ -9,21 +9,21 @@
 
 namespace spikeloop::topics {
 
-/// Publishes what this process logs: as rcl_interfaces/Log, as nodes of rclcpp do, reliable,
-/// transient local, the newest 1000; over ROS 1 as rosgraph_msgs/Log, latched, so that a subscriber
-/// that comes later gets the newest. At most 50 messages a second; how many were left out is the
-/// next one. Does nothing in a session inside the process.
+/// Publishes the log of this process. ROS 2: as rcl_interfaces/Log, as nodes of rclcpp do,
+/// reliable, transient local, the newest 1000. ROS 1: as rosgraph_msgs/Log, latched, so that later
+/// subscribers receive the newest message. At most 50 messages per second; the next message reports
+/// the number of those left out. Does nothing in a session inside the process.
 class Rosout {
  public:
   explicit Rosout(Session& session);
-  /// Publishes what is left, and waits for the subscribers as RawPublisher::drain.
+  /// Publishes the remaining messages, and waits for the subscribers as RawPublisher::drain.
   ~Rosout();
   Rosout(const Rosout&) = delete;
   Rosout& operator=(const Rosout&) = delete;
 
-  /// What ends the run. It is not logged.
+  /// Publishes the error that ends the run. The error is not logged.
   void error(const std::string& text);
-  /// Does the work; an error that it throws is published, too.
+  /// Calls `work`, and publishes an error that it throws.
   template <typename Work>
   auto during(Work&& work) {
     try {

@@ -1,4 +1,4 @@
-// A topic as a source of a graph: what all sensors have in common.
+// Topic as a source of a graph: the common part of all sensors.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@
 
 namespace spikeloop::topics {
 
-/// Keeps a message that an endpoint took or sent. Called in the loop: of a sensor for every message
-/// that a tick uses, in order, with the time at which the tick begins; of a command with the time
-/// at which it ends. May be empty.
+/// Records a message that an endpoint has received or sent. Called in the loop: for every message
+/// of a sensor that a tick uses, in order, with the time at which the tick begins; for every
+/// message of a command with the time at which the tick ends. May be empty.
 using Keep = std::function<void(TimeNs time, std::span<const std::byte> message)>;
 
 class TopicReader;
@@ -20,9 +20,9 @@ class TopicReader;
 class TopicSource : public Source {
  public:
   bool has_publishers() const;
-  /// Messages that have come and are known to the next receive().
+  /// Number of messages that have arrived and that the next receive() takes into account.
   std::uint64_t received() const;
-  /// Throws what receive() would.
+  /// Throws the errors of receive().
   void require_sound() const;
 
  private:
