@@ -24,7 +24,7 @@ struct SensorTopic {
 std::vector<SensorTopic> sensor_topics(const Parameters& keys, messages::Dialect ros);
 
 /// Port: `out` [1], the monotonic time in s at which the newest message arrived.
-/// @throws ConfigurationError for an unknown type or an impossible topic.
+/// @throws ConfigurationError for an unknown type or an invalid topic.
 std::unique_ptr<Source> arrivals(topics::Session& session, const SensorTopic& topic);
 
 }  // namespace spikeloop

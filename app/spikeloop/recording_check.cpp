@@ -22,7 +22,7 @@ using experiment::Experiment;
 
 constexpr TimeNs kLongest = 4 * kNsPerSecond;  // wall time
 
-/// Names of the commands, if sensors alone are connected to them; else none, because the other
+/// Names of the commands if only sensors are connected to them. Otherwise empty, because the other
 /// nodes do not run.
 std::set<std::string> commands_of_sensors(const Experiment& whole) {
   std::set<std::string> commands;
@@ -40,7 +40,7 @@ std::set<std::string> commands_of_sensors(const Experiment& whole) {
   return commands;
 }
 
-/// The sensors and, if possible, the commands, as fast as possible.
+/// Experiment with the sensors and, if possible, the commands. Runs as fast as possible.
 Experiment sensors_of(const Experiment& whole) {
   Experiment sensors = whole;
   std::set<std::string> names = commands_of_sensors(whole);
@@ -84,7 +84,7 @@ std::map<std::string, std::string> useless_sensors(const Experiment& sensors,
 bool is_stopped(const Experiment& whole, const experiment::Node& command,
                 const std::map<std::string, std::string>& useless) {
   const auto sensors = experiment::sensors_behind(whole, command.name);
-  const auto watched = experiment::watched_sensors(whole, command);  // the same sensors
+  const auto watched = experiment::watched_sensors(whole, command);  // in the order of `sensors`
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     if (watched[i].timeout > 0 && useless.contains(sensors[i]->name)) {
       return true;

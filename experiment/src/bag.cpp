@@ -239,8 +239,8 @@ std::string names_of_elements(const Node& sensor, messages::Dialect dialect,
   return "";
 }
 
-/// Looks for the first message with a value. 0: the topic has no message.
-/// @throws ConfigurationError as count_channels; UnusableMessages if there is no such message
+/// Width of the first message with a value. 0: the topic has no message.
+/// @throws ConfigurationError as count_channels; UnusableMessages if no message has a value
 std::uint32_t recorded_width(const Node& sensor, const bag::Reader& reader) {
   bag::Stream stream = reader.stream(sensor.parameters.text("topic"), sensor.name);
   std::uint64_t count = 0;

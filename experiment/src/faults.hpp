@@ -114,7 +114,7 @@ void read_bag_keys(const ExperimentNode& robot, const std::string& directory,
                    Experiment& experiment, Faults& faults);
 /// The bag in the robot's place; null: there is none, or it cannot be read.
 std::shared_ptr<const bag::Reader> open_bag(const Experiment& experiment, Faults& faults);
-/// By the first message that has a value.
+/// Width of a sensor by the first message that has a value.
 SensorWidth bag_width(std::shared_ptr<const bag::Reader> reader);
 /// Compares the first messages of a sensor, see Trial.
 bool length_changes(const bag::Reader& reader, const Node& sensor);

@@ -155,8 +155,8 @@ messages::SensorConversion sensor_conversion(const Node& node, const Experiment&
           sensing::sensor_rule(node.parameters), experiment.width(node.name, "out"), strict};
 }
 
-/// Messages of changing length are read as far as they fit, but not pixels of images. Of a default
-/// position as many values are read as the port has channels.
+/// True if a connection may have another number of channels than the message: messages of changing
+/// length, except images, are read as far as they fit, and a default position fills the port.
 bool may_differ(const Node& node, const Experiment& experiment, const Trial& trial) {
   if (node.kind != kRosSensor || takes_picture(node.parameters)) {
     return false;
@@ -280,7 +280,7 @@ void resolve_connections(const ExperimentFile& file, const Trial& trial, Experim
       planned = plan(graph, keep);
     }
     if (experiment.robot && faults.count() != 0) {
-      // The fault of a sensor, which has been reported.
+      // The width is unknown because of a sensor error that has been reported.
       has_unknown_widths = std::erase_if(wrong, is_unknown_width) > 0;
     }
     for (const ConfigurationError& error : wrong) {

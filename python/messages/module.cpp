@@ -24,7 +24,7 @@ namespace {
 
 using messages::Primitive;
 
-/// Times are float64.
+/// Type of NumPy for a number. Times are float64.
 std::string numpy_type(Primitive primitive) {
   return with_number(
       messages::is_time(primitive) ? Primitive::float64 : primitive, []<typename T>(T /*type*/) {
@@ -82,10 +82,9 @@ const bag::Connection& connection_of(const bag::Reader& reader, const std::strin
     }
   }
   if (!node.empty() && !reader.is_of_a_run()) {
-    throw ConfigurationError(with_code(
-        Code::unknown_node,
-        "'{}' is no recording of a run, so that its messages belong to no node; leave 'node' out",
-        path));
+    throw ConfigurationError(
+        with_code(Code::unknown_node,
+                  "'{}' was not written by a run, so it has no nodes; omit 'node'", path));
   }
   if (found.empty() && !nodes.empty()) {
     throw ConfigurationError(
@@ -155,7 +154,7 @@ py::tuple read(const std::string& path, const std::string& topic, const std::str
                         plain_columns, warnings);
 }
 
-/// (type of every topic, warnings)
+/// Returns (type of every topic, warnings).
 py::tuple topics(const std::string& path) {
   std::map<std::string, std::string> found;
   std::vector<std::string> warnings;
@@ -176,7 +175,7 @@ std::span<const std::byte> bytes_of(const Data& data) {
   return std::as_bytes(std::span(data.data(), static_cast<std::size_t>(data.size())));
 }
 
-/// height x width (x components)
+/// Array of height x width (x components).
 py::array array_of(images::Pixels&& pixels) {
   std::vector<py::ssize_t> shape{pixels.height, pixels.width};
   if (pixels.components > 1) {

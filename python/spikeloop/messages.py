@@ -104,7 +104,7 @@ class Messages:
 
 
 def _warn(texts):
-    """As warnings of the line that called the package."""
+    """Issues warnings for the line that called the package."""
     level = 1
     frame = sys._getframe()
     while frame is not None and frame.f_globals.get("__name__", "").startswith(__package__ + "."):
@@ -123,13 +123,13 @@ def read_messages(path, topic, fields=(), node=""):
     @raises RunFolderError: the file cannot be read, or has no such topic (the error lists them), field or node
     """
     fields = [fields] if isinstance(fields, str) else list(fields)
-    kind, times_ns, columns, said = _call("read", os.fspath(path), topic, node, fields)
-    _warn(said)
+    kind, times_ns, columns, texts = _call("read", os.fspath(path), topic, node, fields)
+    _warn(texts)
     return Messages(topic, kind, times_ns, columns)
 
 
 def read_topics(path):
     """The topics of a recording: {"/scan": "sensor_msgs/LaserScan"}. @raises RunFolderError: it cannot be read"""
-    topics, said = _call("topics", os.fspath(path))
-    _warn(said)
+    topics, texts = _call("topics", os.fspath(path))
+    _warn(texts)
     return topics

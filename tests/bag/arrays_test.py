@@ -116,8 +116,8 @@ def every_field_of_ros1(folder):
 
 
 def images(folder):
-    """Of several sizes, with rows that are longer than their pixels, and without defined colours. encodings_test.py has
-    all encodings."""
+    """Images of several sizes, with rows that are longer than their pixels, and without defined colours. All encodings
+    are in encodings_test.py."""
     colours = RANDOM.integers(0, 256, (2, 3, 3), dtype=np.uint8)
     padded = np.concatenate([colours.reshape(2, 9), np.zeros((2, 7), dtype=np.uint8)], axis=1).tobytes()
     bgra = np.concatenate([colours[..., ::-1], np.full((2, 3, 1), 9, np.uint8)], axis=2)
@@ -199,7 +199,7 @@ def every_field_of_ros2(folder):
     cut = mcap(folder / "cut.mcap", b"my_robot/msg/Arm", DEFINITION, [message(0), message(1)[:-4]])
     refused(lambda: spikeloop.read_messages(cut, "/arm"), f"'{cut}': topic '/arm', message 2: message of ")
     whole = message(1)
-    ends = {}  # of a message that ends after a field: its fields
+    ends = {}  # fields of a message that ends after a field, by its size
     for size in range(len(whole)):  # none is read beyond its end
         short = mcap(folder / "short.mcap", b"my_robot/msg/Arm", DEFINITION, [whole[:size]])
         try:
@@ -255,7 +255,7 @@ def messages_of_a_run(folder):
 
 
 def warned(action):
-    """(result, texts of its warnings, each of which names this file)"""
+    """Returns (result, texts of its warnings). Each warning must refer to a line of this file."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         result = action()
@@ -264,7 +264,7 @@ def warned(action):
 
 
 def older_versions(folder):
-    """Humble's Range, which lacks the last field, under either definition, and in the file of a run."""
+    """Humble's Range, which lacks the last field, is read with both definitions and from the file of a run."""
     whole = writer.full_definition("sensor_msgs/Range")
     humble = whole.replace("float32 variance\n", "\n")
     for name, definition in (("humble", humble), ("jazzy", whole), ("empty", "")):
@@ -283,7 +283,7 @@ def older_versions(folder):
 
 
 def warnings_of_files(folder):
-    """Those of a run, once."""
+    """Reading a file issues the same warnings as a run, once."""
     scans = [(i * 10**9, writer.scan()) for i in range(3)]
     cases = {"IDL": ({"schema": "module x {};", "encoding": "ros2idl"}, "definition of sensor_msgs/LaserScan cannot be used (it is in "
                      "the format 'ros2idl'); Spikeloop's own is used"),
@@ -304,7 +304,7 @@ def warnings_of_files(folder):
         file = mcap(folder / f"{name}.mcap", b"my_robot/msg/Arm", definition, [bytes([0, 1, 0, 0]) + bytes(64)])
         refused(lambda file=file: spikeloop.read_messages(file, "/arm"), "definition of my_robot/Arm cannot be used, and Spikeloop has "
                 "none that fits: ", why)
-    refused(lambda: spikeloop.read_messages(folder / "x.mcap", "/scan", node="scan"), "is no recording of a run")
+    refused(lambda: spikeloop.read_messages(folder / "x.mcap", "/scan", node="scan"), "was not written by a run")
     parts = folder / "parts"
     parts.mkdir()
     for number in (0, 2):

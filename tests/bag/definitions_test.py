@@ -65,7 +65,7 @@ def unusable_definitions(scratch):
     recording = writer.mcap(scratch / "x.mcap", scans(), schema=IDL, encoding="ros2idl", hash=hash)
     assert "warning" not in values_of(scratch, recording)[2]
     writer.mcap(scratch / "x.mcap", [(BEGIN, writer.scan()[:15])], schema=IDL, encoding="ros2idl")
-    runs.refused("its definition cannot be used (it is in the format 'ros2idl'), and its messages do not fit ours",
+    runs.refused("its definition cannot be used (it is in the format 'ros2idl'), and its messages do not fit Spikeloop's",
                  "check", scratch / "x.yaml")
 
 

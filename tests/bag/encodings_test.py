@@ -178,7 +178,7 @@ def experiment(file, cases):
 
 
 def channels_of(pixels, keys):
-    """What a sensor with these keys makes of the pixels that Python reads."""
+    """Expected channels of a sensor with these keys."""
     least, most = json.loads(keys[7:]) if keys.startswith("range: ") else (0, np.iinfo(pixels.dtype).max)
     planes = pixels if pixels.ndim == 2 else np.moveaxis(pixels[..., :3], -1, 0)
     if planes.ndim == 3 and keys != "channel: rgb":
@@ -199,7 +199,7 @@ def check_values(scratch):
         rounded = name.startswith(("bayer", "yuv", "uyvy", "yuyv", "nv")) and not name.endswith("_grey")
         tolerance = 0.02 if name == "metres" else 1.01 * 2 / 255 if rounded else 1e-5
         np.testing.assert_allclose(values[0], expected.ravel(), atol=tolerance, err_msg=name)
-        if rounded or not name.startswith(("yuv", "uyvy", "yuyv", "nv")):  # else the grey is the luma, not one of colours
+        if rounded or not name.startswith(("yuv", "uyvy", "yuyv", "nv")):  # the grey of YUV is its luma
             for recording in ("images.bag", "run/messages.mcap"):
                 pixels, = spikeloop.read_messages(scratch / recording, f"/{name}").images()
                 np.testing.assert_allclose(channels_of(pixels, keys), expected, atol=tolerance, err_msg=name)

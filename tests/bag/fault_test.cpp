@@ -132,7 +132,7 @@ TEST_F(BagFaults, WhatIsCutOffIsReadUpToThere) {
   for (std::size_t part = 0; part <= 20; ++part) {
     directory_.write("x.mcap", whole.substr(0, 8 + (whole.size() - 8) * part / 20));
     const std::string text = reading();
-    const bool has_none = text.find("was not ended, and it has no whole chunk") != text.npos;
+    const bool has_none = text.find("was not ended, and contains no complete chunk") != text.npos;
     const int count = has_none ? 0 : std::stoi(text);
     EXPECT_GE(count, before) << part;
     counts.insert(before = count);
@@ -155,7 +155,7 @@ TEST_F(BagFaults, ChunkThatClaimsToBeLarge) {
   std::string file = directory_.read("x.mcap");
   const auto size = file.find(std::string("zstd")) - 16;
   for (const auto& [byte, reason] :
-       {std::pair{std::size_t{7}, "is damaged: a chunk says that it has "},
+       {std::pair{std::size_t{7}, "is damaged: invalid chunk size of "},
         std::pair{std::size_t{2}, "is damaged: a chunk cannot be unpacked"}}) {
     std::string wrong = file;
     wrong[size + byte] = '\x10';

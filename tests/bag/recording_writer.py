@@ -57,13 +57,13 @@ class Cdr:
 
 
 def scan(distance=2.0, beams=12, ranges=None, limits=(0.1, 10)):
-    """All beams at one distance, unless ranges are given, from 0.1 to 10 m."""
+    """sensor_msgs/LaserScan from 0.1 to 10 m. All beams are at `distance` unless `ranges` are given."""
     return Cdr().add("i", 1).add("I", 0).text("laser").add("f", -1, 1, 0.1, 0, 0.05, *limits) \
         .array("f", [distance] * beams if ranges is None else ranges).array("f", []).bytes()
 
 
 def image(encoding, width, height, data):
-    """Rows without a gap."""
+    """sensor_msgs/Image without padding."""
     return Cdr().add("i", 1).add("I", 0).text("camera").add("I", height, width).text(encoding).add("B", 0) \
         .add("I", len(data) // max(height, 1)).array("B", data).bytes()
 

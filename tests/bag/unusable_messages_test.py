@@ -22,7 +22,7 @@ UNKNOWN = "SL0307"
 
 
 def recording(path, messages, **options):
-    """20 messages a second."""
+    """Writes 20 messages per second."""
     return writer.mcap(path, [(BEGIN + i * SECOND // 20, data) for i, data in enumerate(messages)], **options)
 
 
@@ -40,7 +40,7 @@ nodes:
 
 
 def check_and_run(scratch, file, code, *expected, warnings=None):
-    """Both end with this code and print the texts. Returns the values of the sensor."""
+    """Requires that `check` and `run` end with this code and print the texts. Returns the values of the sensor."""
     shutil.rmtree(scratch / "run", ignore_errors=True)
     for words in (("check", file), ("run", file, "--out", scratch / "run", "--force")):
         printed = "".join(runs.spikeloop(*words, code=code))
@@ -54,7 +54,7 @@ def check_and_run(scratch, file, code, *expected, warnings=None):
 
 
 def errors_without_width(scratch):
-    """The error is that of the message or key, as with the number of channels."""
+    """A connection without a number of channels has the same error about the message or key as one with it."""
     recording(scratch / "odd.mcap", [writer.image("8UC2", 2, 1, bytes(4))] * 3, kind=IMAGE)
     recording(scratch / "scan.mcap", [writer.scan()] * 3)
     for width in ("", 12):
@@ -69,7 +69,7 @@ def errors_without_width(scratch):
 
 
 def unusable_without_width(scratch):
-    """All messages are damaged or empty: as a run that received them ends."""
+    """Recordings with only damaged or empty messages have the exit code of a run that received such messages."""
     swapped = [writer.scan(limits=(5, 0.1))] * 4
     for name, messages, kind, texts in [
             ("swapped", swapped, SCAN, ["'s' was usable (malformed: 4)", "range_min 5 ... 'range' ... [SL0509]"]),
@@ -124,7 +124,7 @@ def surplus_joints(scratch):
 
 
 def one_of_two_sensors(scratch):
-    """A command that waits for a useless sensor is never sent, whatever is between them."""
+    """A command that waits for a useless sensor is never sent, directly connected or not."""
     between = "  e: {node: rate_encoder}\n  d: {node: linear_readout, weights: uniform}\n"
     good = "  t: {node: ros_sensor, topic: /scan, message: sensor_msgs/LaserScan, range: [0, 9]}\n"
     recording(scratch / "swapped.mcap", [writer.scan(limits=(5, 0.1))] * 4)
@@ -140,7 +140,7 @@ def times(scratch):
     writer.mcap(scratch / "zero.mcap", [(0, writer.scan())] * 4)
     check_and_run(scratch, experiment(scratch, "zero.mcap", f"message: {SCAN}"), 0,
                   "zero.mcap': all 4 messages are at time 0 ... --use-sim-time", warnings=1)
-    # Rows of SQLite out of order are no jump of the clock.
+    # Unsorted rows of SQLite are not a jump of the clock.
     rows = [(BEGIN + i * SECOND, writer.scan(ranges=[i + 1.0])) for i in (3, 0, 2, 4, 1)]
     writer.db3(scratch / "rows.db3", rows)
     sensor = f"message: {SCAN}, fields: [ranges]"
@@ -154,7 +154,7 @@ def no_whole_chunk(scratch):
     for name, data in (("head", whole), ("chunk", whole + writer.chunk(records, "", records)[:200])):
         (scratch / f"{name}.mcap").write_bytes(data)
         check_and_run(scratch, experiment(scratch, f"{name}.mcap", f"message: {SCAN}"), 4,
-                      f"{name}.mcap' was not ended ... no whole chunk ... record it again")
+                      f"{name}.mcap' was not ended ... no complete chunk ... record it again")
 
 
 def main():

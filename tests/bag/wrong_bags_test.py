@@ -108,7 +108,7 @@ def main():
 
 
 def messages_in(path):
-    """Number of the messages of a bag, or the error."""
+    """Returns the number of messages of a bag, or the error."""
     try:
         return len(spikeloop.read_messages(path, "/scan"))
     except RunFolderError as error:
@@ -117,7 +117,7 @@ def messages_in(path):
 
 
 def damaged_bags(scratch):
-    """Whatever its bytes are, a bag is read or refused."""
+    """A damaged bag is read or refused, for any bytes."""
     bag = scratch / "damaged.bag"
     for compression in (rosbag.Compression.NONE, rosbag.Compression.BZ2, rosbag.Compression.LZ4):
         messages = [(i * 10**7, message) for i, message in enumerate(bags.arena(200))]
@@ -131,13 +131,13 @@ def damaged_bags(scratch):
         random, refused = np.random.default_rng(1), 0
         for trial in range(200):
             wrong = bytearray(whole)
-            # Half of them behind the messages.
+            # Half of the damaged bytes are after the messages.
             place = random.integers(13, len(whole)) if trial % 2 else len(whole) - 1 - random.integers(1500)
             wrong[place] = random.integers(256)
             bag.write_bytes(wrong)
             refused += messages_in(bag) != 200
         assert refused > 10, refused
-    # Its header still says that there is no index, as rosbag writes it at the beginning.
+    # The header has no index position, as before rosbag closes the file.
     index = whole.index(b"index_pos=") + 10
     bag.write_bytes(whole[:index] + bytes(8) + whole[index + 8:])
     assert messages_in(bag) == (f"'{bag}' has no index, because its recording was not ended; write  rosbag reindex {bag} "

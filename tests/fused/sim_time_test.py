@@ -239,7 +239,7 @@ def paused_from_the_start(simulator, begin):
 
 
 def wrong_clock(file, folder):
-    """A clock of another type is named at once."""
+    """A clock of another type is an error at once."""
     with ros.program(sys.executable, "-c", ODD_CLOCK):
         runs.refused("topic '/clock' carries std_msgs/Float64, not rosgraph_msgs/Clock; node /odd_clock publishes it; "
                      "... [SL0508]", "run", file, "--out", folder, code=3)

@@ -187,7 +187,7 @@ TEST_F(LinkTest, the_guard_receives_the_stop_command_when_it_changes) {
   adapter.join();
 }
 
-TEST_F(LinkTest, is_told_when_the_guard_reaches_somebody) {
+TEST_F(LinkTest, is_notified_when_the_guard_reaches_a_subscriber) {
   listen();
   std::thread guard([this] {
     const Descriptor socket = welcome();

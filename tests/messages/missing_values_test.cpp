@@ -1,4 +1,4 @@
-// Channels without a valid value: what they are, and the one warning about them.
+// Channels without a valid value, and the single warning about them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

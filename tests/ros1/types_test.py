@@ -53,7 +53,7 @@ VERSION = ("topic '/v' carries another version of std_msgs/Float64 (md5 sum 0011
 
 @contextlib.contextmanager
 def nodes(*names, delay_s=0.0):
-    """Nodes that send or receive after a delay; without one, publishers are there before the block begins."""
+    """Nodes that send or receive after a delay; without a delay, publishers are connected before the block begins."""
     with contextlib.ExitStack() as stack:
         for name in names:
             node = subprocess.Popen(["/usr/bin/python3", "-c", NODE, name, str(delay_s)], stdout=subprocess.PIPE,
@@ -91,7 +91,7 @@ def main():
                                          env={**os.environ, "ROS_HOSTNAME": "no-such-host.invalid"})[1]
                 runs.assert_says(printed, "other nodes cannot connect to this one")
                 assert "no subscriber" not in printed, printed
-            # A publisher of another type that was first does not keep the emergency stop from the robot.
+            # The emergency stop works although a publisher of another type was connected first.
             with nodes("right", "no_button"), nodes("button", delay_s=2):
                 summary, printed = run(file, 8)
                 runs.assert_says(printed, "topic '/stop' carries std_msgs/Int64, not std_msgs/Bool; node /no_button "

@@ -13,7 +13,7 @@
 
 namespace spikeloop::bag {
 
-/// Bytes. Writers end a chunk at about 1 MB; a damaged file may claim any size.
+/// Largest chunk in bytes. Writers end a chunk at about 1 MB; a damaged file may contain any size.
 inline constexpr std::uint64_t kLargestChunk = 1'000'000'000;
 
 struct Chunk {
@@ -24,7 +24,7 @@ struct Chunk {
   bool is_plain() const { return compression.empty() || compression == "none"; }
 };
 
-/// A Place's block is the index of a chunk, its position that of a message in the unpacked chunk. A
+/// Place::block is the chunk's index, Place::position the message's offset in the unpacked chunk. A
 /// message outside of a chunk is a chunk by itself.
 struct ChunkedFile {
   ChunkedFile(const std::string& path, std::string name_) : name(std::move(name_)), mapping(path) {}
@@ -34,12 +34,12 @@ struct ChunkedFile {
   std::vector<Chunk> chunks;
 };
 
-/// The contents of a chunk. Calls `read_records` with the unpacked bytes, and keeps the chunk.
-/// @throws std::runtime_error if it is damaged
+/// Adds a chunk to the file, and calls `read_records` with its unpacked bytes.
+/// @throws std::runtime_error if the chunk is damaged
 template <typename ReadRecords>
 void add_chunk(ChunkedFile& file, const Chunk& chunk, ReadRecords&& read_records) {
   if (chunk.size > kLargestChunk || (chunk.is_plain() && chunk.size != chunk.stored.size())) {
-    throw std::runtime_error(fmt::format("a chunk says that it has {} bytes", chunk.size));
+    throw std::runtime_error(fmt::format("invalid chunk size of {} bytes", chunk.size));
   }
   file.chunks.push_back(chunk);
   if (chunk.is_plain()) {
@@ -50,7 +50,7 @@ void add_chunk(ChunkedFile& file, const Chunk& chunk, ReadRecords&& read_records
   read_records(unpacked.view());
 }
 
-/// Reads messages of one chunk after the other.
+/// Reads the messages of a file chunk by chunk.
 class ChunkBytes : public Bytes {
  public:
   /// @param message_at content of the message at the begin of these bytes

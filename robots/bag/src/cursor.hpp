@@ -52,7 +52,7 @@ class Cursor {
   /// @throws std::runtime_error
   std::string_view take(std::size_t count) {
     if (count > rest_.size()) {
-      throw std::runtime_error("a record leads beyond its end");
+      throw std::runtime_error("a record is cut off");
     }
     const std::string_view taken = rest_.substr(0, count);
     rest_.remove_prefix(count);

@@ -70,7 +70,7 @@ class McapFile : public Source {
     keep_used_connections();
     if (!is_whole) {
       if (is_closed && places_.empty()) {
-        fail_damaged(name, "a record leads beyond its end");
+        fail_damaged(name, "a record is cut off");
       }
       warn_of_end();
     }
@@ -131,7 +131,7 @@ class McapFile : public Source {
       const std::size_t position = bytes.size() - records.left();
       const auto record = next_record(records);
       if (!record) {
-        throw std::runtime_error("a record leads beyond its end");
+        throw std::runtime_error("a record is cut off");
       }
       if (record->op == Op::message) {
         read_message(record->content, position);
@@ -211,10 +211,10 @@ class McapFile : public Source {
 
   void warn_of_end() {
     if (places_.empty()) {
-      warnings_.push_back(
-          fmt::format("'{}' was not ended, and it has no whole chunk of messages; record it again, "
-                      "and end the recorder with Ctrl-C",
-                      path_));
+      warnings_.push_back(fmt::format(
+          "'{}' was not ended, and contains no complete chunk of messages; record it again, "
+          "and end the recorder with Ctrl-C",
+          path_));
       return;
     }
     const auto by_time = [](const Place& a, const Place& b) { return a.time < b.time; };

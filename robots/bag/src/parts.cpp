@@ -212,7 +212,8 @@ Parts parts_of_folder(const fs::path& folder) {
   return parts;
 }
 
-/// Number of the parts of a file's recording in metadata.yaml. 0 if it does not list the file.
+/// Number of parts of a file's recording according to metadata.yaml. 0 if it does not list the
+/// file.
 std::size_t count_listed(const fs::path& file, const fs::path& folder) {
   try {
     const auto metadata = read_metadata(folder);
@@ -226,8 +227,8 @@ std::size_t count_listed(const fs::path& file, const fs::path& folder) {
   return 0;
 }
 
-/// Number of the parts NAME_0, NAME_1, ... of a file's recording. 0 if the file is not one of them:
-/// many people number recordings from 1.
+/// Number of the parts NAME_0, NAME_1, ... of a file's recording. 0 if the file is not one of them.
+/// Names that begin at NAME_1 are not parts: users often number recordings from 1.
 std::size_t count_named(const fs::path& file, const fs::path& folder) {
   const auto name = parse_name(file.filename().string());
   if (!name || !name->has_number) {

@@ -17,7 +17,7 @@ constexpr std::string_view kVersion = "#ROSBAG V2.0\n";
 
 enum class Op : std::uint8_t { message = 2, file_header, index, chunk, chunk_info, connection };
 
-/// "name=value" of a header; nullopt if there is no such field.
+/// Value of a header's field "name=value"; nullopt if there is no such field.
 std::optional<std::string_view> find_field(std::string_view header, std::string_view name) {
   Cursor fields(header);
   while (!fields.at_end()) {
@@ -107,7 +107,7 @@ class Ros1Bag : public Source {
       }
     }
     if (!has_index) {
-      throw std::runtime_error("its index is not where it should be");
+      throw std::runtime_error("its index is not at the position in the header");
     }
   }
 
@@ -135,7 +135,7 @@ class Ros1Bag : public Source {
   void add_connection(const Record& record) {
     const auto index = static_cast<std::uint32_t>(connections_.size());
     if (!indexes_.try_emplace(record.number("conn"), index).second) {
-      return;  // the index repeats it
+      return;  // the index repeats the connection
     }
     const Record described{record.data, {}};
     const std::string type = described.text("type");

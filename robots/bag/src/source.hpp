@@ -41,7 +41,7 @@ class Source {
   virtual ~Source() = default;
 
   const std::string& path() const { return path_; }
-  /// Only those that have messages.
+  /// Connections that have messages.
   const std::vector<Connection>& connections() const { return connections_; }
   /// All messages in the order of the file. The second call returns none.
   std::vector<Place> take_places() { return std::exchange(places_, {}); }

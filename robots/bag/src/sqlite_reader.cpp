@@ -196,8 +196,8 @@ class SqliteFile : public Source {
   }
 
   void read_places() {
-    // In the order of time, as rosbag2 plays them: a recorder with several threads writes rows out
-    // of order.
+    // Sorted by time, as rosbag2 plays messages: a recorder with several threads writes rows out of
+    // order.
     Query query(*database_, "SELECT id, topic_id, timestamp FROM messages ORDER BY timestamp, id");
     while (query.next()) {
       const auto topic = topics_.find(query.number(1));

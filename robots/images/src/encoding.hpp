@@ -70,10 +70,11 @@ struct Planes {
 };
 Planes planes_of(const ImageView& image, Layout layout);
 
-/// @param what "its PNG" @throws TransportError: no pixels, or more than kMostPixels
+/// @param what name of the data in error messages
+/// @throws TransportError: no pixels, or more than kMostPixels
 void check_area(std::string_view what, std::uint64_t width, std::uint64_t height);
 /// Compares the image with its encoding and the number of its bytes.
-/// @param any_components as of find_encoding()
+/// @param any_components as in find_encoding()
 /// @throws ConfigurationError for an unknown encoding, TransportError for a contradiction.
 Encoding check_image(const ImageView& image, bool any_components = false);
 

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view kHeadline = "MSG: ";
 
-/// Bytes of a number or a time; of a text those of its length.
+/// Bytes of a number or a time; for a text, bytes of its length.
 std::size_t size_of(Primitive primitive) {
   if (primitive == Primitive::text) {
     return sizeof(std::uint32_t);

@@ -26,11 +26,11 @@ class NameOrder {
 
   /// Returns a warning at the first message with other names, else an empty text.
   std::string read(std::span<const std::byte> message);
-  /// Place of each element of the newest message. Names that have none get those after the others.
+  /// Index of each element's channel. New names get the next free indices.
   const std::vector<std::size_t>& places() const { return places_; }
-  /// Number of names that have a place.
+  /// Number of names with an index.
   std::size_t size() const { return known_.size(); }
-  /// Name at a place; empty if there is none.
+  /// Name with this index; empty if there is none.
   std::string name_at(std::size_t place) const {
     return place < known_.size() ? known_[place] : std::string();
   }
@@ -63,7 +63,7 @@ class FieldReading : public Reading {
     SensorField field;
     std::variant<FieldReader, PointPath> reader;
     std::optional<std::size_t> width;  ///< nullopt: the message determines the number of values
-    bool by_name = false;              ///< its elements are in the order of `order_`
+    bool by_name = false;              ///< its elements are sorted by `order_`
     std::size_t channels = 0;          ///< with share_channels_
     std::vector<double> numbers{};     ///< of the newest message
     std::vector<Held> held{};

@@ -22,7 +22,7 @@ std::uint32_t read_uint32(Reader& reader) {
   return static_cast<std::uint32_t>(reader.number(Primitive::uint32));
 }
 
-/// A number of an array of bytes.
+/// Reads a number from an array of bytes.
 template <typename T>
 T load(const std::byte* at, bool big_endian) {
   std::byte bytes[sizeof(T)];

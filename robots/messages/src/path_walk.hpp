@@ -11,7 +11,7 @@
 
 namespace spikeloop::messages {
 
-/// "7", "0:100" or "3:" between the brackets of a path: [first, last).
+/// Half-open range [first, last) between the brackets of a path: "7", "0:100" or "3:".
 struct Elements {
   std::size_t first = 0;
   std::size_t last = PathStep::kEnd;
@@ -19,7 +19,7 @@ struct Elements {
 
   bool is_too_far() const { return first >= kMostElements || (has_end && last > kMostElements); }
 };
-/// nullopt: not such a text.
+/// nullopt: the text is not such a range.
 std::optional<Elements> parse_elements(std::string_view inside);
 
 template <typename Reader>

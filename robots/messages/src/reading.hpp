@@ -52,12 +52,13 @@ class Reading {
   /// What to write if the number of values changes from message to message; empty if there is only
   /// the width of the connection.
   virtual std::string length_remedy(std::size_t /*channels*/) const { return {}; }
-  /// What to write if no message has a value for a channel.
-  /// @param missing false: the messages have NaN, or no reading, there
+  /// Remedy if no message has a value for a channel.
+  /// @param missing false: the messages have NaN, or no reading, for the channel
   virtual std::string no_value_remedy(bool /*missing*/, std::size_t /*channel*/) const {
     return "give channels without a value one, as in initial: 0";
   }
-  /// Replaces values(), also if the message is to be left out: then returns false.
+  /// Replaces values(). Returns false if the message is to be left out; values() are replaced
+  /// nevertheless.
   /// @throws TransportError when it cannot be read.
   bool take(std::span<const std::byte> message) {
     values_.numbers.clear();
@@ -84,7 +85,8 @@ class Reading {
   std::vector<std::string> warnings_;
 };
 
-/// @param width of the port: an Odometry gives as many values as it has. 0: not known
+/// @param width channels of the port, which determine the number of values of an Odometry. 0:
+/// unknown
 /// @throws ConfigurationError as SensorConversion.
 std::unique_ptr<Reading> make_reading(const Catalog& catalog, const std::string& type,
                                       const SensorRule& rule, std::uint32_t width);

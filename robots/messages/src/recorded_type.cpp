@@ -77,7 +77,7 @@ std::string sum_of(const Catalog& catalog, std::string_view type) {
 }
 
 /// Reason for which the definition in a recording cannot be read; empty if there is none.
-std::string unreadable(const Schema& recorded, Dialect dialect) {
+std::string reason_unreadable(const Schema& recorded, Dialect dialect) {
   const std::string_view usual = dialect == Dialect::ros1 ? kRos1Definition : kRos2Definition;
   return recorded.definition_encoding.empty() || recorded.definition_encoding == usual
              ? ""
@@ -107,9 +107,9 @@ Catalog parse(const Schema& recorded, Dialect dialect, const std::string& type) 
                                      recorded.topic, recorded.type, why));
 }
 
-/// Of the definition in the recording.
+/// Compiles the recording's definition.
 std::shared_ptr<const TypeLayout> written_layout(const RecordedTopic& recorded, Dialect dialect) {
-  if (const std::string why = unreadable(recorded.schema, dialect); !why.empty()) {
+  if (const std::string why = reason_unreadable(recorded.schema, dialect); !why.empty()) {
     fail_definition(recorded, why);
   }
   try {
@@ -132,7 +132,7 @@ Comparison compare_types(const Schema& recorded, std::string_view version, const
       !ours->fields.empty()) {
     return {Fit::unknown, "it is empty"};
   }
-  if (std::string why = unreadable(recorded, catalog.dialect()); !why.empty()) {
+  if (std::string why = reason_unreadable(recorded, catalog.dialect()); !why.empty()) {
     return {Fit::unknown, std::move(why)};
   }
   try {
@@ -181,8 +181,9 @@ Comparison compare_recorded(const RecordedTopic& recorded, const Catalog& catalo
   }
   if (found.fit == Fit::unknown && bytes.fit == Fit::other) {
     return {Fit::other,
-            fmt::format("its definition cannot be used ({}), and its messages do not fit ours ({})",
-                        found.detail, bytes.detail)};
+            fmt::format(
+                "its definition cannot be used ({}), and its messages do not fit Spikeloop's ({})",
+                found.detail, bytes.detail)};
   }
   found.missing = bytes.missing;
   return found;

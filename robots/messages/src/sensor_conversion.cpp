@@ -112,11 +112,11 @@ bool SensorConversion::take_values() {
 void SensorConversion::warn_of_no_reading() {
   const bool is_nan = reading_->values().held.end() !=
                       std::ranges::find(reading_->values().held, Held::no);  // passed on
-  if (told_no_reading_ || (is_nan && !any_reading_)) {
+  if (warned_of_no_reading_ || (is_nan && !any_reading_)) {
     return;  // the first NaN of a sensor that starts is reported if there is no number later
   }
-  told_no_reading_ = true;
-  told_unread_ = !any_reading_;
+  warned_of_no_reading_ = true;
+  warned_of_unread_ = !any_reading_;
   if (any_reading_) {
     warn(fmt::format("a {} brought no reading; the channels {}", type_,
                      passes_nan_ ? "are NaN" : "keep what they had"));
@@ -133,7 +133,7 @@ std::string SensorConversion::unread() const {
 }
 
 std::string SensorConversion::describe_unread() const {
-  if (counts_.messages == counts_.malformed || (told_unread_ && !any_reading_)) {
+  if (counts_.messages == counts_.malformed || (warned_of_unread_ && !any_reading_)) {
     return {};
   }
   const std::string messages =

@@ -25,8 +25,8 @@ Qos writer_qos(std::uint32_t queue, bool latched, const std::string& user_data);
 /// publisher.
 Qos reader_qos(std::uint32_t queue, bool reliable, bool latched, const std::string& user_data);
 
-/// What a subscriber requests beyond the defaults, for messages: "a deadline of 100 ms, but
-/// Spikeloop's publisher has none".
+/// Quality of service that a subscriber requests and the publisher does not offer, for messages: "a
+/// deadline of 100 ms, but Spikeloop's publisher has none".
 struct Requests {
   std::string late{};   ///< durability; met by publishers that are latched
   std::string other{};  ///< met by no publisher of ours

@@ -11,8 +11,8 @@ namespace spikeloop {
 /// us, ms, s, min, h. The unit alone when nobody knows it; empty for "1" and "".
 std::vector<std::string> units_like(std::string_view unit);
 
-/// Number with so many significant digits for messages, without an exponent from 1e-4 to 1e16:
-/// "220" of 217.4 with two digits.
+/// Rounds a number to `digits` significant digits, for messages: 217.4 to "220" with two digits.
+/// Without an exponent from 1e-4 to 1e16.
 std::string format_rounded(double number, int digits);
 
 }  // namespace spikeloop

@@ -29,9 +29,9 @@ bool takes_picture(const Parameters& parameters);
 messages::EventSettings event_settings(const Parameters& parameters);
 /// A ros_event_sensor; port and place are left to the caller. @throws as event_settings.
 topics::EventSensorSettings event_sensor_settings(const Parameters& parameters);
-/// Number of channels that a message of this ROS has for a ros_sensor or ros_event_sensor. 0: the
-/// message has no value.
-/// @throws ConfigurationError, as a run: keys that do not fit the message type or the message;
+/// Number of channels that a ros_sensor or ros_event_sensor has for this message. 0: the message
+/// has no value.
+/// @throws ConfigurationError as in a run: keys that do not fit the message type or the message;
 /// TransportError if the message cannot be read
 std::uint32_t count_channels(const Node& sensor, messages::Dialect ros,
                              std::span<const std::byte> message);

@@ -26,7 +26,7 @@ command::Override manual_override(const Node& command);
 /// Settings of a command, apart from the data behind it.
 /// @param width channels of its port
 /// @param joint_states topic of a sensor of sensor_msgs/JointState; empty if there is none
-/// @param ros nullopt: nobody can stop or drive the robot over ROS
+/// @param ros nullopt: the robot cannot be stopped or driven over ROS
 command::CommandSettings command_settings(const Node& command, std::uint32_t width,
                                           const command::LoopClock& loop,
                                           const std::string& joint_states,

@@ -85,7 +85,8 @@ class Reader {
 /// "/odom (nav_msgs/Odometry), /scan (sensor_msgs/LaserScan)"; "none" if there are no messages.
 std::string list_topics(const Reader& reader);
 
-/// For messages::compare_recorded() and messages::layout_of(). @param node as of Reader::stream()
+/// Description of a topic for messages::compare_recorded() and messages::layout_of().
+/// @param node as in Reader::stream()
 messages::RecordedTopic recorded_topic(const Reader& reader, const Connection& connection,
                                        const std::string& node);
 

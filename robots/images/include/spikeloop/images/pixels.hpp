@@ -16,7 +16,7 @@ struct Pixels {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::size_t components = 1;        ///< per pixel; of colours: red, green, blue, and alpha if any
-  std::string type{};                ///< of a sample, as NumPy's: "u1", "<f4"
+  std::string type{};                ///< NumPy's type of a sample: "u1", "<f4"
   std::vector<std::byte> samples{};  ///< row by row, little-endian
 };
 
@@ -24,7 +24,7 @@ struct Pixels {
 /// number of components. Samples keep their values: 0 and NaN may be pixels without a reading.
 /// @throws TransportError if the image is damaged. ConfigurationError if it cannot be read.
 Pixels read_pixels(const ImageView& image);
-/// The same for the data of a CompressedImage. @param format the message's field `format`
+/// Reads the data of a CompressedImage in the same way. @param format the message's field `format`
 Pixels read_compressed_pixels(std::span<const std::byte> data, std::string_view format);
 
 }  // namespace spikeloop::images

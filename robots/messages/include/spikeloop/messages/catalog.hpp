@@ -16,8 +16,8 @@ namespace spikeloop::messages {
 /// Bytes; roscpp refuses longer messages.
 constexpr std::size_t kLargestMessage = 1'000'000'000;
 
-/// "sensor_msgs/LaserScan" of "sensor_msgs/msg/LaserScan", as ROS 2's tools write it, and of
-/// "sensor_msgs::msg::LaserScan".
+/// Converts names of types as ROS 2's tools write them, "sensor_msgs/msg/LaserScan" and
+/// "sensor_msgs::msg::LaserScan", to "sensor_msgs/LaserScan".
 std::string without_msg(std::string_view name);
 
 struct TypeLayout;

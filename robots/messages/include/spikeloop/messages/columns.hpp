@@ -30,7 +30,7 @@ struct Column {
 class ColumnReader {
  public:
   /// @param paths fields to read, with all fields below them; empty: all fields
-  /// @throws ConfigurationError: no such field, with "did you mean"
+  /// @throws ConfigurationError if there is no such field; suggests a similar name
   explicit ColumnReader(std::shared_ptr<const TypeLayout> type,
                         const std::vector<std::string>& paths = {});
   ~ColumnReader();

@@ -25,7 +25,7 @@ struct EventPacket {
 
 inline constexpr std::string_view kEventPacket = "event_camera_msgs/EventPacket";
 
-/// A view of the message's bytes. @throws TransportError when they end too early.
+/// Returns a view of the message's bytes. @throws TransportError if the message is too short.
 EventPacket read_event_packet(Dialect dialect, std::span<const std::byte> message);
 
 /// Decodes packet after packet of one camera.

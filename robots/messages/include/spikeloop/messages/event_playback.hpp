@@ -1,4 +1,4 @@
-// Plays the events of a camera back at their own times, a while after they happened.
+// Plays the events of a camera at their own times plus a latency.
 #pragma once
 
 #include <cstddef>
@@ -11,17 +11,15 @@
 
 namespace spikeloop::messages {
 
-/// What the simulated clock shows when a sensor's own clock shows a stamp.
-/// Both clocks go equally fast; the first message says how far apart they are.
+/// Maps stamps of the sensor's clock to simulated time with a constant offset.
 class SensorClock {
  public:
-  /// Events that seem to come from so far in the future are a jump of the sensor's clock: nothing
-  /// would be heard of it until then.
+  /// A stamp further ahead is a jump of the sensor's clock; otherwise no event would be sent until
+  /// then.
   static constexpr TimeNs kFarthest = kNsPerSecond;
 
-  /// A message whose newest event has this stamp is there when the simulated clock shows `now`. The
-  /// first one is taken to have arrived when that event happened; so is one whose stamp lies before
-  /// that of the message before (a recording that begins again), or too far ahead.
+  /// Takes a message that arrives at `now`. The first message, or one after a jump, sets the offset
+  /// so that its newest event happens at `now`.
   void take(TimeNs newest, TimeNs now);
 
   TimeNs simulated(TimeNs stamp) const { return stamp + offset_; }
@@ -34,16 +32,16 @@ class SensorClock {
   std::uint64_t jumps_ = 0;
 };
 
-/// A camera collects events and sends them together, so a message's oldest event is as old as the
-/// message is long. `latency` is that while: what happened at simulated time s is sent at
-/// s + latency, in the interval that contains it. What comes later than that is sent right behind
-/// the begin of the interval, and counted; nothing is dropped.
+/// Sends an event of simulated time s at s + `latency`, in the interval that contains this time. A
+/// camera collects events and sends them together, so that the oldest event of a message is as old
+/// as the message is long; `latency` should be this time. An event that arrives later is sent at
+/// the begin of the interval, and counted; no event is dropped.
 class EventPlayback {
  public:
   explicit EventPlayback(TimeNs latency) : latency_(latency) {}
 
-  /// The spikes of this interval, sorted by time; valid until the next call.
-  /// @param messages those that have come since the last call, in the order in which they came
+  /// Spikes of this interval, sorted by time. Valid until the next call.
+  /// @param messages messages since the last call, in the order of their arrival
   std::span<const Spike> step(std::span<const EventMessage> messages, const Interval& interval);
 
   std::uint64_t late() const { return late_; }
@@ -58,7 +56,7 @@ class EventPlayback {
   TimeNs latency_;
   SensorClock clock_;
   std::vector<Spike> queue_;  ///< sorted by time
-  std::size_t sent_ = 0;      ///< so many at its begin have been sent
+  std::size_t sent_ = 0;      ///< number of spikes at its begin that have been sent
   std::uint64_t late_ = 0;
   TimeNs worst_lateness_ = 0;
 };

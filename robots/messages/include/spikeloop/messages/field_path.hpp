@@ -81,11 +81,11 @@ class FieldReader {
   FieldPath path_;
 };
 
-/// Takes the texts of one path out of messages: Image.encoding, header.frame_id, PointCloud2's
-/// fields.name (one each).
+/// Reads the texts of a path from messages: Image.encoding, header.frame_id, PointCloud2's
+/// fields.name (one text per element).
 class TextField {
  public:
-  /// @throws ConfigurationError as compile_path, and when the path ends at a number.
+  /// @throws ConfigurationError as compile_path, and if the path ends at a number.
   TextField(const Catalog& catalog, std::string_view type, std::string_view path);
 
   /// Appends the path's texts, which are valid as long as the message's bytes, and returns their

@@ -40,7 +40,7 @@ Comparison compare_types(const Schema& recorded, std::string_view version, const
 /// field, `longer`, or `other`.
 Comparison compare_message(std::span<const std::byte> message, const TypeLayout& type);
 
-/// What a recording contains about the messages of a topic.
+/// Description of a topic's messages in a recording.
 struct RecordedTopic {
   std::string topic;
   std::string type;                               ///< "sensor_msgs/LaserScan"
@@ -60,7 +60,7 @@ Comparison compare_recorded(const RecordedTopic& recorded, const Catalog& catalo
 std::string replacement_warning(const RecordedTopic& recorded, const Comparison& compared);
 
 struct RecordedLayout {
-  /// With the fields that the first message has.
+  /// Layout with the fields of the first message.
   std::shared_ptr<const TypeLayout> type;
   std::vector<std::string> warnings;
 };

@@ -90,7 +90,7 @@ class SensorConversion {
   const std::string& type() const { return type_; }
 
  private:
-  /// What the messages had for a channel, in ascending order.
+  /// Contents of the messages for a channel, in ascending order.
   enum class Seen : std::uint8_t { nothing, no_reading, value };
 
   /// Counts and reports a message of another length. True if it has surplus values.
@@ -108,8 +108,8 @@ class SensorConversion {
   bool passes_nan_ = false;
   bool any_whole_ = false;  ///< a message was not left out
   bool any_reading_ = false;
-  bool told_no_reading_ = false;
-  bool told_unread_ = false;  ///< before any reading
+  bool warned_of_no_reading_ = false;
+  bool warned_of_unread_ = false;  ///< before any reading
   std::unique_ptr<Reading> reading_;
   std::optional<double> initial_;
   std::vector<double> channels_;
