@@ -148,7 +148,7 @@ def times(scratch):
     np.testing.assert_allclose(values[:, 0], [1, 2, 3, 4, 5])
 
 
-def no_whole_chunk(scratch):
+def no_complete_chunk(scratch):
     records = writer.channel("/scan", SCAN) + writer.message(BEGIN, writer.scan())
     whole = writer.MAGIC + writer.record(1, writer.text("ros2") + writer.text("test"))
     for name, data in (("head", whole), ("chunk", whole + writer.chunk(records, "", records)[:200])):
@@ -161,7 +161,7 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
         for part in (errors_without_width, unusable_without_width, later_messages_have_the_width, blind_channels,
-                     surplus_joints, one_of_two_sensors, times, no_whole_chunk):
+                     surplus_joints, one_of_two_sensors, times, no_complete_chunk):
             part(scratch)
             print(part.__name__)
 

@@ -77,7 +77,7 @@ TEST_P(MissingValues, blind_beams_and_pixels_are_named_once_with_a_remedy) {
       ElementsAre(Fault("... 'pixel (2, 1)', so channel 5 has no value; ... as in initial: 0")));
 }
 
-TEST_P(MissingValues, a_value_that_came_once_is_not_called_missing) {
+TEST_P(MissingValues, a_channel_with_an_earlier_value_is_not_reported) {
   for (const int good : {0, 7, 18}) {
     auto c = conversion("LaserScan", plain_fields({"ranges[0]", "ranges[1]"}), 2, true);
     for (int i = 0; i < 20; ++i) {
@@ -95,7 +95,7 @@ TEST_P(MissingValues, a_value_that_came_once_is_not_called_missing) {
                           "with nan: skip; replace NaN, as in nan: 0"));
 }
 
-TEST_P(MissingValues, the_width_needs_no_message_if_the_fields_say_it) {
+TEST_P(MissingValues, fields_can_determine_the_width_without_a_message) {
   const auto count = [&](std::string_view type, const SensorRule& rule, const auto& bytes) {
     return SensorConversion::count(catalog(), type, rule, bytes);
   };
