@@ -239,6 +239,15 @@ std::string names_of_elements(const Node& sensor, messages::Dialect dialect,
   return "";
 }
 
+/// " in 'velocity'": the fields that a sensor reads. Empty for the default fields.
+std::string in_fields(const Node& sensor) {
+  std::vector<std::string> paths;
+  for (const auto& field : sensing::sensor_rule(sensor.parameters).fields) {
+    paths.push_back(field.path);
+  }
+  return paths.empty() ? "" : fmt::format(" in '{}'", fmt::join(paths, "', '"));
+}
+
 /// Width of the first message with a value. 0: the topic has no message.
 /// @throws ConfigurationError as count_channels; UnusableMessages if no message has a value
 std::uint32_t recorded_width(const Node& sensor, const bag::Reader& reader) {
@@ -270,7 +279,8 @@ std::uint32_t recorded_width(const Node& sensor, const bag::Reader& reader) {
       fmt::format("none of the {} messages of '{}' was usable ({}): topic '{}': a {} {}", count,
                   sensor.name, counters, sensor.parameters.text("topic"),
                   sensor.parameters.text("message"),
-                  malformed == 0 ? "brought no reading" + names : "could not be read: " + reason));
+                  malformed == 0 ? "brought no reading" + in_fields(sensor) + names
+                                 : "could not be read: " + reason));
 }
 
 }  // namespace

@@ -183,9 +183,12 @@ void check_against_robot(const Node& node, const Experiment& experiment, const T
           with_code(
               Code::fields_differ,
               "node '{}': a message of the {}'s topic {} gives {} values, but '{}' has {} "
-              "channels; write [{}] in its connection{}",
+              "channels; write [{}] in its connection{}{}",
               node.name, experiment.robot->bag.empty() ? "robot" : "bag",
               node.parameters.text("topic"), values, connection.from, connection.width, values,
+              takes_picture(node.parameters) && !experiment.robot->bag.empty()
+                  ? ", or give images of several sizes one size, as in  image: {resize: [32, 24]}"
+                  : "",
               experiment.ros == Ros::none ? ""
                                           : ", or leave 'robot' out when another robot sends it"));
     }

@@ -76,8 +76,9 @@ def unusable_without_width(scratch):
             ("short", [writer.image("rgb8", 3, 2, bytes(10))] * 4, IMAGE,
              ["'s' was usable (malformed: 4)", "its step is 5 bytes ... [SL0509]"]),
             ("empty", [writer.scan(beams=0)] * 4, SCAN, ["'s' was usable (without_reading: 4)", "brought no reading"]),
+            ("silent", [writer.scan()] * 4, f"{SCAN}, fields: [intensities]", ["brought no reading in 'intensities"]),
             ("mixed", [writer.scan(beams=0), *swapped], SCAN, ["'s' was usable (malformed: 4, without_reading: 1)"])]:
-        recording(scratch / f"{name}.mcap", messages, kind=kind)
+        recording(scratch / f"{name}.mcap", messages, kind=kind.split(",")[0])
         for width in ("", 12):
             check_and_run(scratch, experiment(scratch, f"{name}.mcap", f"message: {kind}", width), 7, *texts)
 
@@ -90,6 +91,17 @@ def later_messages_have_the_width(scratch):
     recording(scratch / "skip.mcap", [writer.scan(ranges=[1, 1, NAN, 1])] * 3 + [writer.scan(ranges=[1, 2, 3, 4])])
     values = check_and_run(scratch, experiment(scratch, "skip.mcap", f"message: {SCAN}, {skip}"), 0)
     np.testing.assert_allclose(values, [[3, 4]])
+
+
+def images_of_two_sizes(scratch):
+    """No width fits them; the error proposes one size."""
+    recording(scratch / "sizes.mcap", [writer.image("mono8", 2, 1, bytes(2)), writer.image("mono8", 3, 1, bytes(3))],
+              kind=IMAGE)
+    for width, code in (("", 2), (2, 2), (3, 2)):
+        check_and_run(scratch, experiment(scratch, "sizes.mcap", f"message: {IMAGE}", width), code,
+                      "or give images of several sizes one size, as in  image: {resize: [32, 24]} ... [SL0505]")
+    values = check_and_run(scratch, experiment(scratch, "sizes.mcap", f"message: {IMAGE}, image: {{resize: [1, 1]}}"), 0)
+    assert values.shape == (2, 1), values
 
 
 def blind_channels(scratch):
@@ -160,8 +172,8 @@ def no_complete_chunk(scratch):
 def main():
     with tempfile.TemporaryDirectory() as scratch:
         scratch = pathlib.Path(scratch)
-        for part in (errors_without_width, unusable_without_width, later_messages_have_the_width, blind_channels,
-                     surplus_joints, one_of_two_sensors, times, no_complete_chunk):
+        for part in (errors_without_width, unusable_without_width, later_messages_have_the_width, images_of_two_sizes,
+                     blind_channels, surplus_joints, one_of_two_sensors, times, no_complete_chunk):
             part(scratch)
             print(part.__name__)
 

@@ -61,6 +61,10 @@ class PictureReading : public Reading {
                        channel % pixels / std::max(size.width, 1U));
   }
 
+  std::string length_remedy(std::size_t /*channels*/) const override {
+    return "give images of several sizes one size, as in  image: {resize: [32, 24]}";
+  }
+
   bool read(std::span<const std::byte> message, ReadValues& values) override {
     const auto made = convert(message);
     values.numbers.assign(made.begin(), made.end());

@@ -121,9 +121,10 @@ void SensorConversion::warn_of_no_reading() {
     warn(fmt::format("a {} brought no reading; the channels {}", type_,
                      passes_nan_ ? "are NaN" : "keep what they had"));
   } else {
+    const std::size_t last = channels_.size() - 1;
     warn(fmt::format(
-        "a {} brought no reading{}, so the channels {}", type_,
-        channels_.size() == 1 ? fmt::format(" in '{}'", reading_->name_of(0)) : "",
+        "a {} brought no reading in '{}'{}, so the channels {}", type_, reading_->name_of(0),
+        last == 0 ? "" : fmt::format(" to '{}'", reading_->name_of(last)),
         initial_ ? fmt::format("keep their initial value {:g}", *initial_) : "have no value"));
   }
 }
@@ -182,8 +183,10 @@ bool SensorConversion::fit() {
           : fmt::format("a {} brought {} values in '{}', but {} of the channels are for them",
                         type_, misfit.values, misfit.path, misfit.channels);
   if (strict_) {
-    throw ConfigurationError(with_code(Code::fields_differ, "{}; write [{}] in its connection",
-                                       difference, misfit.whole));
+    const std::string remedy = reading_->length_remedy(channels_.size());
+    throw ConfigurationError(with_code(Code::fields_differ, "{}; write [{}] in its connection{}",
+                                       difference, misfit.whole,
+                                       remedy.empty() ? "" : ", or " + remedy));
   }
   const bool surplus = misfit.values > misfit.channels;
   if (counts_.cropped + counts_.short_messages == 0) {
