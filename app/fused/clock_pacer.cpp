@@ -151,7 +151,8 @@ class ClockPacer : public Pacer {
 
   /// True if a simulator may be paused: its publisher is connected, and sends nothing.
   bool has_publisher() const {
-    return subscriber_->has_publishers() && !session_.has_warned_of_unreachable_node(kTopic);
+    return subscriber_->has_publishers() && (!session_.has_warned_of_unreachable_node(kTopic) ||
+                                             session_.is_connected_to_publisher(kTopic));
   }
 
   void report_other_types() {

@@ -137,7 +137,7 @@ def pause(simulator, begin):
     time.sleep(0.5)
     assert len(simulator.heard) == heard, "commands are repeated in simulated time"
     simulator.show(300)
-    run.says("/clock goes on")
+    run.says("/clock continues")
     ros.until(lambda: len(simulator.heard) > heard, "a command")
     time.sleep(1)
     report = run.interrupt()
@@ -238,6 +238,22 @@ def paused_from_the_start(simulator, begin):
     simulator.heard.clear()
 
 
+def paused_next_to_a_dead_node(simulator, begin, master):
+    """A killed publisher that the master still lists does not end the wait for a paused one."""
+    dead = "http://127.0.0.1:9/"
+    with xmlrpc.client.ServerProxy(master) as proxy:
+        proxy.registerPublisher("/dead", "/clock", "rosgraph_msgs/Clock", dead)
+        run = begin("paused-next-to-a-dead-node", start_s=2)
+        simulator.join()
+        run.says("no connection with its publisher /dead: no node answers")
+        run.says("no message on /clock for 3 s, which has a publisher: is the simulator paused? The experiment waits")
+        proxy.unregisterPublisher("/dead", "/clock", dead)
+    simulator.drives()
+    run.says("first message on /clock")
+    run.interrupt()
+    simulator.heard.clear()
+
+
 def wrong_clock(file, folder):
     """A clock of another type is an error at once."""
     with ros.program(sys.executable, "-c", ODD_CLOCK):
@@ -281,7 +297,7 @@ def followed_in_ros2(scratch):
         simulator.send_signal(signal.SIGSTOP)
         run.says("for 3 s: is the simulator paused? The experiment waits")
         simulator.send_signal(signal.SIGCONT)
-        run.says("/clock goes on")
+        run.says("/clock continues")
     with ros.program(*robot):
         report = run.end(3)
     assert report["summary"].get("simulated_s", 0) < 60, report
@@ -293,16 +309,20 @@ def main():
         scratch = pathlib.Path(scratch)
         file = scratch / "echo.yaml"
         file.write_text(EXPERIMENT)
-        with ros.master(scratch):
+        with ros.master(scratch) as master:
             wrong_clock(file, scratch / "wrong-clock")
             subprocess.run(["/usr/bin/rosparam", "set", "use_sim_time", "true"], check=True)
             silence(lambda name: Run(file, scratch / name), "rostopic")
             no_clock(file, scratch / "no-clock", "it has no publisher")
             simulator = Simulator()
-            paused_from_the_start(simulator, lambda name, **options: Run(file, scratch / name, **options))
+            def begin(name, **options):
+                return Run(file, scratch / name, **options)
+
+            paused_from_the_start(simulator, begin)
+            paused_next_to_a_dead_node(simulator, begin, master)
             for test in (pause, jump, slow_clock, back, gone):
                 simulator.heard.clear()
-                test(simulator, lambda name, **options: Run(file, scratch / name, **options))
+                test(simulator, begin)
         shipped_robot(scratch, "1")
         with ros.domain():
             followed_in_ros2(scratch)

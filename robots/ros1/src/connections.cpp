@@ -102,6 +102,15 @@ bool is_established(const std::string& transport) {
          std::strtol(transport.c_str() + port + 1, nullptr, 10);
 }
 
+/// Connections of this node, by the address on which it listens, because the one that this node
+/// registers may be wrong. Not an array if it does not answer.
+XmlRpcValue own_connections(const std::string& self) {
+  XmlRpcValue request;
+  request[0] = self;
+  return call(fmt::format("http://127.0.0.1:{}/", ros::XMLRPCManager::instance()->getServerPort()),
+              "getBusInfo", request);
+}
+
 /// A connection is [id, name ("o") or address ("i") of the other node, direction, transport, topic,
 /// true, description].
 bool has_connection(XmlRpcValue& connections, const std::string& other, const std::string& topic,
@@ -129,6 +138,19 @@ bool has_publishers(const std::string& self, const std::string& topic) {
   } catch (const XmlRpc::XmlRpcException&) {
     return false;  // not an answer of ROS
   }
+}
+
+bool is_connected_to_publisher(const std::string& self, const std::string& topic) {
+  try {
+    XmlRpcValue own = own_connections(self);
+    for (const std::string& node : publishers_of(self, topic)) {
+      if (has_connection(own, uri_of(self, node), topic, "i")) {
+        return true;
+      }
+    }
+  } catch (const XmlRpc::XmlRpcException&) {  // an answer of another form than ROS's
+  }
+  return false;
 }
 
 bool all_publishers_connected(const std::string& self, const std::string& topic) {
@@ -163,12 +185,7 @@ std::string subscribed_type(const std::string& self, const Link& subscriber) {
 std::vector<Link> missing_links(const std::string& self) {
   const auto& manager = ros::TopicManager::instance();
   XmlRpcValue state = system_state(self);
-  XmlRpcValue request;
-  request[0] = self;
-  // Use the local address, because the one that this node registers may be wrong.
-  XmlRpcValue own =
-      call(fmt::format("http://127.0.0.1:{}/", ros::XMLRPCManager::instance()->getServerPort()),
-           "getBusInfo", request);
+  XmlRpcValue own = own_connections(self);
   std::vector<Link> links;
   const auto add = [&](const std::string& topic, bool publishers) {
     for (const std::string& node : nodes_of(state[publishers ? 0 : 1], topic)) {

@@ -13,6 +13,9 @@ namespace spikeloop::ros1 {
 /// As Session::has_publishers.
 bool has_publishers(const std::string& self, const std::string& topic);
 
+/// As Session::is_connected_to_publisher.
+bool is_connected_to_publisher(const std::string& self, const std::string& topic);
+
 /// As Session::publishers_are_connected.
 /// @param self name of this node
 bool all_publishers_connected(const std::string& self, const std::string& topic);

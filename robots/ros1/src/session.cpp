@@ -150,6 +150,10 @@ bool Session::has_warned_of_unreachable_node(const std::string& topic) const {
   return impl_->watch && impl_->watch->has_warned_of(topic);
 }
 
+bool Session::is_connected_to_publisher(const std::string& topic) const {
+  return ros1::is_connected_to_publisher(node_name(), topic);
+}
+
 bool Session::publishers_are_connected(const std::string& topic) const {
   return all_publishers_connected(node_name(), topic);
 }

@@ -52,6 +52,7 @@ class Session : public topics::Session {
   /// subscriber lists a connection before the publisher has accepted it.
   bool publishers_are_connected(const std::string& topic) const override;
   bool has_warned_of_unreachable_node(const std::string& topic) const override;
+  bool is_connected_to_publisher(const std::string& topic) const override;
 
  private:
   struct Impl;

@@ -180,6 +180,12 @@ class Session {
   /// messages or subscribers of the topic are not needed.
   /// @param topic as returned by whole_topic()
   virtual bool has_warned_of_unreachable_node(const std::string& /*topic*/) const { return false; }
+  /// True if messages of at least one publisher of the topic can arrive, although others may be
+  /// unreachable.
+  /// @param topic as whole_topic() gives it
+  virtual bool is_connected_to_publisher(const std::string& topic) const {
+    return has_publishers(topic);
+  }
 };
 
 }  // namespace spikeloop::topics
