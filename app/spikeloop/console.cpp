@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 
 #include "output.hpp"
@@ -27,6 +28,10 @@ bool is_warning(std::string text) {
 }  // namespace
 
 std::string progress_text(const launch::Progress& progress, bool follows_clock) {
+  const double tenths = std::round(10 * progress.simulated_s) / 10;  // 3.0 of 2.952 s
+  const std::string simulated = progress.total_s && tenths > *progress.total_s
+                                    ? fmt::format("{:g}", progress.simulated_s)
+                                    : fmt::format("{:.1f}", progress.simulated_s);
   const std::string total = progress.total_s ? fmt::format(" of {:g}", *progress.total_s) : "";
   const std::string factor =
       progress.wall_s < kMeaningfulWallTime_s
@@ -35,7 +40,7 @@ std::string progress_text(const launch::Progress& progress, bool follows_clock) 
   const std::string overruns = follows_clock ? fmt::format(", {} overrun{}", progress.overruns,
                                                            progress.overruns == 1 ? "" : "s")
                                              : "";
-  return fmt::format("{:.1f}{} s{}{}", progress.simulated_s, total, factor, overruns);
+  return fmt::format("{}{} s{}{}", simulated, total, factor, overruns);
 }
 
 Console::Console(Volume volume, RunLog* log, bool follows_clock)
