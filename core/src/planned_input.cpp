@@ -103,8 +103,9 @@ void PlannedInput::check_widths(const ErrorHandler& report) const {
     if (from != to || (written() != 0 && written() != to)) {
       report(ConfigurationError(
           connection(i).where,
-          with_code(Code::widths_differ, "widths differ: '{}' has {} channels, '{}' has {}{}",
-                    adds() ? text(i) : text(), from, plan_.text(connection(i).to), to,
+          with_code(Code::widths_differ, "widths differ: '{}' has {} channel{}, '{}' has {}{}",
+                    adds() ? text(i) : text(), from, from == 1 ? "" : "s",
+                    plan_.text(connection(i).to), to,
                     written() != 0 ? fmt::format(", the connection says [{}]", written()) : "")));
       return;
     }
@@ -134,9 +135,9 @@ bool PlannedInput::check_sender(std::size_t i, const ErrorHandler& report) const
   } else if (std::max(channels.begin + 1, channels.end) > width) {
     report(ConfigurationError(
         where, with_code(Code::out_of_bounds,
-                         "'{}' has {} channels, counted from 0, and {} is not within them; write "
+                         "'{}' has {} channel{}, counted from 0, and {} is not within them; write "
                          "for example  [0:{}]",
-                         name, width, channels.text(), width)));
+                         name, width, width == 1 ? "" : "s", channels.text(), width)));
   } else {
     return true;
   }

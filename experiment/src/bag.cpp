@@ -1,6 +1,5 @@
 // A bag in the robot's place.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <filesystem>
 
@@ -10,7 +9,6 @@
 #include "spikeloop/experiment/endpoints.hpp"
 #include "spikeloop/experiment/recording.hpp"
 #include "spikeloop/messages/catalog.hpp"
-#include "spikeloop/messages/field_path.hpp"
 #include "spikeloop/messages/recorded_type.hpp"
 #include "spikeloop/sensing/sensor_keys.hpp"
 
@@ -213,32 +211,6 @@ std::shared_ptr<const bag::Reader> open_bag(const Experiment& experiment, Faults
 
 namespace {
 
-/// "; the names are left, right": the texts among which a field looks for a name that none of the
-/// messages has. Empty if no field does.
-std::string names_of_elements(const Node& sensor, messages::Dialect dialect,
-                              std::span<const std::byte> message) {
-  for (const auto& field : sensing::sensor_rule(sensor.parameters).fields) {
-    const auto bracket = field.path.find('[');
-    const auto equals = field.path.find('=', std::min(bracket, field.path.size()));
-    if (equals == std::string::npos) {
-      continue;
-    }
-    const std::string array = field.path.substr(0, bracket);
-    const std::string key = field.path.substr(bracket + 1, equals - bracket - 1);
-    const std::string message_of_array = array.substr(0, array.rfind('.') + 1);
-    for (const std::string& path : {message_of_array + key, array + "." + key}) {
-      try {
-        std::vector<std::string_view> names;
-        messages::TextField(catalog_of(sensor, dialect), sensor.parameters.text("message"), path)
-            .read(message, names);
-        return names.empty() ? "" : fmt::format("; the names are {}", fmt::join(names, ", "));
-      } catch (const Error&) {  // the names are in the other place
-      }
-    }
-  }
-  return "";
-}
-
 /// " in 'velocity'": the fields that a sensor reads. Empty for the default fields.
 std::string in_fields(const Node& sensor) {
   std::vector<std::string> paths;
@@ -255,14 +227,12 @@ std::uint32_t recorded_width(const Node& sensor, const bag::Reader& reader) {
   std::uint64_t count = 0;
   std::uint64_t malformed = 0;
   std::string reason;
-  std::string names;
   for (auto message = stream.next(); message; message = stream.next(), ++count) {
     try {
       const std::uint32_t width = count_channels(sensor, reader.dialect(), message->bytes);
       if (width != 0) {
         return width;
       }
-      names = names.empty() ? names_of_elements(sensor, reader.dialect(), message->bytes) : names;
     } catch (const TransportError& error) {
       reason = malformed++ == 0 ? error.what() : reason;
     }
@@ -279,7 +249,7 @@ std::uint32_t recorded_width(const Node& sensor, const bag::Reader& reader) {
       fmt::format("none of the {} messages of '{}' was usable ({}): topic '{}': a {} {}", count,
                   sensor.name, counters, sensor.parameters.text("topic"),
                   sensor.parameters.text("message"),
-                  malformed == 0 ? "brought no reading" + in_fields(sensor) + names
+                  malformed == 0 ? "brought no reading" + in_fields(sensor)
                                  : "could not be read: " + reason));
 }
 

@@ -57,8 +57,11 @@ def errors_without_width(scratch):
     """A connection without a number of channels has the same error about the message or key as one with it."""
     recording(scratch / "odd.mcap", [writer.image("8UC2", 2, 1, bytes(4))] * 3, kind=IMAGE)
     recording(scratch / "scan.mcap", [writer.scan()] * 3)
+    writer.db3(scratch / "sonar.db3", [(BEGIN, writer.scan())] * 3, kind="my_robot/Sonar", distribution="foxy")
     for width in ("", 12):
         for bag, sensor, text in [
+                ("sonar.db3", f"message: {SCAN}", "carries my_robot/Sonar, not sensor_msgs/LaserScan; Spikeloop does "
+                 "not know its type; write the path of its .msg file [SL0508]"),
                 ("odd.mcap", f"message: {IMAGE}", "x.yaml:4:3: node 's': topic '/scan': ... '8UC2' ... [SL0511]"),
                 ("scan.mcap", f"message: {SCAN}, fields: [rangs]", "x.yaml:4:79: field path 'rangs' ... [SL0504]"),
                 ("scan.mcap", f"message: {SCAN}, range: [4, 0]", "x.yaml:4:78: key 'range': ... [SL0206]"),
@@ -75,6 +78,8 @@ def unusable_without_width(scratch):
             ("swapped", swapped, SCAN, ["'s' was usable (malformed: 4)", "range_min 5 ... 'range' ... [SL0509]"]),
             ("short", [writer.image("rgb8", 3, 2, bytes(10))] * 4, IMAGE,
              ["'s' was usable (malformed: 4)", "its step is 5 bytes ... [SL0509]"]),
+            ("names", [writer.joints(["left", "right"], [1, 2])] * 4, f"{JOINTS}, fields: ['position[name=lft]']",
+             ["'s' was usable (without_reading: 4)", "'position[name=lft]', but has the names [left, right]"]),
             ("empty", [writer.scan(beams=0)] * 4, SCAN, ["'s' was usable (without_reading: 4)", "brought no reading"]),
             ("silent", [writer.scan()] * 4, f"{SCAN}, fields: [intensities]", ["brought no reading in 'intensities"]),
             ("mixed", [writer.scan(beams=0), *swapped], SCAN, ["'s' was usable (malformed: 4, without_reading: 1)"])]:

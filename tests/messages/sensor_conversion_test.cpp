@@ -102,7 +102,7 @@ TEST(SensorConversion, the_first_shorter_scan_names_its_width) {
   auto c = conversion("LaserScan", 3);
   EXPECT_TRUE(c.convert(scan({2.5})));
   EXPECT_THAT(c.take_warning(),
-              Fault("a sensor_msgs/LaserScan brought 1 values ... 3 channels ... 'beams' ... [1] "
+              Fault("a sensor_msgs/LaserScan brought 1 value, ... 3 channels ... 'beams' ... [1] "
                     "... if no message has more"));
 }
 
@@ -142,7 +142,7 @@ TEST(SensorConversion, strict_names_both_widths) {
       Fault("a sensor_msgs/LaserScan brought 3 values ... 2 channels ... [3] ... [SL0505]"));
   EXPECT_THAT(
       text(1),
-      Fault("a sensor_msgs/LaserScan brought 1 values ... 2 channels ... [1] ... [SL0505]"));
+      Fault("a sensor_msgs/LaserScan brought 1 value, ... 2 channels ... [1] ... [SL0505]"));
   EXPECT_EQ(text(2), "no error");
   EXPECT_THAT(error_of([] { conversion("Twist", 3, true); }),
               Fault("a geometry_msgs/Twist gives 2 values ... 3 channels ... [2] ... [SL0505]"));
@@ -200,6 +200,24 @@ TEST(SensorConversion, arrays_and_positions_are_raw) {
   auto chosen = conversion("Odometry", 2, true, {"twist.twist.angular.z", "pose.pose.position.x"});
   chosen.convert(odometry);
   EXPECT_THAT(chosen.channels(), ElementsAre(0.5, 10));
+}
+
+TEST(SensorConversion, a_name_that_no_message_has_is_reported_with_the_names_there) {
+  for (const char* type : {"sensor_msgs/JointState", "tf2_msgs/TFMessage"}) {
+    const bool joints = std::string(type) == "sensor_msgs/JointState";
+    auto c = conversion(
+        type, 1, false,
+        {joints ? "position[name=lft]" : "transforms[child_frame_id=lft].transform.translation.x"});
+    const std::vector<std::string> fields =
+        joints
+            ? std::vector<std::string>{"position[name=left]", "position[name=right]"}
+            : std::vector<std::string>{"transforms[child_frame_id=left].transform.translation.x",
+                                       "transforms[child_frame_id=right].transform.translation.x"};
+    EXPECT_FALSE(c.convert(message(type, fields, {{1}, {2}})));
+    EXPECT_THAT(c.take_warning(), Fault("a " + std::string(type) +
+                                        " brought no reading in '...', but has the names [left, "
+                                        "right], so the channels have no value"));
+  }
 }
 
 TEST(SensorConversion, the_remedy_counts_the_values_of_all_fields) {

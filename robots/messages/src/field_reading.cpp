@@ -52,6 +52,27 @@ bool convert_value(const SensorField& field, double& value, Held& held) {
   return field.not_a_number != NotANumber::skip;
 }
 
+/// The texts from which a path selects an element: `name` of `position[name=elbow]`. nullopt if the
+/// path has no name.
+std::optional<TextField> names_of(const Catalog& catalog, const std::string& type,
+                                  const std::string& path) {
+  const auto bracket = std::min(path.find('['), path.size());
+  const auto equals = path.find('=', bracket);
+  if (equals == std::string::npos) {
+    return std::nullopt;
+  }
+  const std::string array = path.substr(0, bracket);
+  const std::string key = path.substr(bracket + 1, equals - bracket - 1);
+  for (const std::string& names :
+       {array + "." + key, array.substr(0, array.rfind('.') + 1) + key}) {
+    try {
+      return TextField(catalog, type, names);
+    } catch (const ConfigurationError&) {  // the names are next to the array
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::string NameOrder::read(std::span<const std::byte> message) {
@@ -106,6 +127,9 @@ FieldReading::FieldReading(const Catalog& catalog, const std::string& type,
       continue;
     }
     FieldReader reader(catalog, type, field.path);
+    if (!selected_names_) {
+      selected_names_ = names_of(catalog, type, field.path);
+    }
     const auto count = reader.path().width();
     const bool by_name = has_names(reader.path());
     if (by_name && !order_) {
@@ -145,6 +169,15 @@ std::pair<const FieldReading::Entry*, std::size_t> FieldReading::entry_of(
     channel -= width;
   }
   return {nullptr, channel};
+}
+
+std::string FieldReading::names_in(std::span<const std::byte> message) const {
+  if (!selected_names_) {
+    return {};
+  }
+  std::vector<std::string_view> names;
+  selected_names_->read(message, names);
+  return list_of(names);
 }
 
 std::string FieldReading::length_remedy(std::size_t /*channels*/) const {

@@ -57,6 +57,7 @@ class FieldReading : public Reading {
   std::string name_of(std::size_t channel) const override;
   std::string length_remedy(std::size_t channels) const override;
   std::string no_value_remedy(bool missing, std::size_t channel) const override;
+  std::string names_in(std::span<const std::byte> message) const override;
 
  private:
   struct Entry {
@@ -88,6 +89,7 @@ class FieldReading : public Reading {
   Dialect dialect_;
   std::vector<Entry> entries_;
   std::optional<NameOrder> order_;
+  std::optional<TextField> selected_names_;     ///< of the first field that selects by name
   std::optional<FieldReader> angle_increment_;  ///< of beams; nullopt after the warning
   bool share_channels_ = false;                 ///< several fields, one of them of any length
   bool is_fitted_ = false;

@@ -57,6 +57,10 @@ class Reading {
   virtual std::string no_value_remedy(bool /*missing*/, std::size_t /*channel*/) const {
     return "give channels without a value one, as in initial: 0";
   }
+  /// Names of the elements of a message from which the sensor selects by name, "[left, right]".
+  /// Empty if it does not select by name.
+  /// @throws TransportError if the message cannot be read
+  virtual std::string names_in(std::span<const std::byte> /*message*/) const { return {}; }
   /// Replaces values(). Returns false if the message is to be left out; values() are replaced
   /// nevertheless.
   /// @throws TransportError when it cannot be read.

@@ -19,6 +19,10 @@ namespace {
 /// Those who publish parts of a topic's elements in turn have all been heard by then.
 constexpr std::uint64_t kPatientMessages = 20;
 
+const char* plural(std::size_t count) {
+  return count == 1 ? "" : "s";
+}
+
 }  // namespace
 
 SensorConversion::SensorConversion(const Catalog& catalog, std::string_view type,
@@ -72,7 +76,7 @@ bool SensorConversion::convert(std::span<const std::byte> message) {
   const bool is_cropped = whole_ && fit();
   const bool any = take_values();
   if (whole_ && !any && !is_cropped) {
-    warn_of_no_reading();
+    warn_of_no_reading(message);
   }
   counts_.without_reading += any ? 0 : 1;
   any_reading_ = any_reading_ || any;
@@ -109,7 +113,7 @@ bool SensorConversion::take_values() {
   return any;
 }
 
-void SensorConversion::warn_of_no_reading() {
+void SensorConversion::warn_of_no_reading(std::span<const std::byte> message) {
   const bool is_nan = reading_->values().held.end() !=
                       std::ranges::find(reading_->values().held, Held::no);  // passed on
   if (warned_of_no_reading_ || (is_nan && !any_reading_)) {
@@ -121,10 +125,14 @@ void SensorConversion::warn_of_no_reading() {
     warn(fmt::format("a {} brought no reading; the channels {}", type_,
                      passes_nan_ ? "are NaN" : "keep what they had"));
   } else {
+    const std::vector<Held>& held = reading_->values().held;
+    const bool is_missing = !held.empty() && held.front() == Held::missing;
+    const std::string names = is_missing ? reading_->names_in(message) : "";
     const std::size_t last = channels_.size() - 1;
     warn(fmt::format(
-        "a {} brought no reading in '{}'{}, so the channels {}", type_, reading_->name_of(0),
+        "a {} brought no reading in '{}'{}{}, so the channels {}", type_, reading_->name_of(0),
         last == 0 ? "" : fmt::format(" to '{}'", reading_->name_of(last)),
+        names.empty() ? "" : fmt::format(", but has the names {}", names),
         initial_ ? fmt::format("keep their initial value {:g}", *initial_) : "have no value"));
   }
 }
@@ -178,8 +186,9 @@ bool SensorConversion::fit() {
   }
   const std::string difference =
       misfit.path.empty()
-          ? fmt::format("a {} brought {} values, but the port has {} channels", type_,
-                        misfit.values, misfit.channels)
+          ? fmt::format("a {} brought {} value{}, but the port has {} channel{}", type_,
+                        misfit.values, plural(misfit.values), misfit.channels,
+                        plural(misfit.channels))
           : fmt::format("a {} brought {} values in '{}', but {} of the channels are for them",
                         type_, misfit.values, misfit.path, misfit.channels);
   if (strict_) {

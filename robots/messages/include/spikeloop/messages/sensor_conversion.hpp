@@ -98,7 +98,7 @@ class SensorConversion {
   void warn_of_length(const std::string& difference, std::size_t whole, bool surplus);
   /// Updates channels unless the message is left out. True if a channel has got a number.
   bool take_values();
-  void warn_of_no_reading();
+  void warn_of_no_reading(std::span<const std::byte> message);
   std::string describe_unread() const;
   void warn(std::string text);
 
