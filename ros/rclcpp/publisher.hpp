@@ -26,6 +26,7 @@ class Publisher final : public topics::RawPublisher {
 
  private:
   std::shared_ptr<rclcpp::Node> node_;
+  std::string type_;  ///< "geometry_msgs/msg/Twist"
   rclcpp::QoS qos_;
   std::shared_ptr<rclcpp::GenericPublisher> publisher_;
   rclcpp::SerializedMessage message_;  ///< kept from message to message

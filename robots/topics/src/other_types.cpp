@@ -7,9 +7,9 @@
 namespace spikeloop::topics {
 namespace {
 
-/// Time in which the name of a node follows its type: with Fast DDS often more than 1 s. Nodes of
-/// plain DDS have no name.
-constexpr TimeNs kIntroduction = 1'800'000'000;
+/// Longest wait for the name of a node after its type. The name of a Fast DDS node may arrive 3 s
+/// later, nodes of plain DDS have none.
+constexpr TimeNs kIntroduction = kNsPerSecond / 2;
 
 }  // namespace
 
