@@ -78,14 +78,15 @@ def unusable_without_width(scratch):
             ("swapped", swapped, SCAN, ["'s' was usable (malformed: 4)", "range_min 5 ... 'range' ... [SL0509]"]),
             ("short", [writer.image("rgb8", 3, 2, bytes(10))] * 4, IMAGE,
              ["'s' was usable (malformed: 4)", "its step is 5 bytes ... [SL0509]"]),
-            ("names", [writer.joints(["left", "right"], [1, 2])] * 4, f"{JOINTS}, fields: ['position[name=lft]']",
-             ["'s' was usable (without_reading: 4)", "'position[name=lft]', but has the names [left, right]"]),
             ("empty", [writer.scan(beams=0)] * 4, SCAN, ["'s' was usable (without_reading: 4)", "brought no reading"]),
             ("silent", [writer.scan()] * 4, f"{SCAN}, fields: [intensities]", ["brought no reading in 'intensities"]),
             ("mixed", [writer.scan(beams=0), *swapped], SCAN, ["'s' was usable (malformed: 4, without_reading: 1)"])]:
-        recording(scratch / f"{name}.mcap", messages, kind=kind.split(",")[0])
+        recording(scratch / f"{name}.mcap", messages, kind=kind)
         for width in ("", 12):
             check_and_run(scratch, experiment(scratch, f"{name}.mcap", f"message: {kind}", width), 7, *texts)
+    recording(scratch / "names.mcap", [writer.joints(["left", "right"], [1, 2])] * 4, kind=JOINTS)
+    check_and_run(scratch, experiment(scratch, "names.mcap", f"message: {JOINTS}, fields: ['position[name=lft]']"), 7,
+                  "'s' was usable (without_reading: 4)", "'position[name=lft]', but has the names [left, right]")
 
 
 def later_messages_have_the_width(scratch):
