@@ -123,7 +123,7 @@ def keys_are_checked(folder):
             ("beams: 4, angles: [-90 deg]", 4, "'angles' ... [SL0105]"),
             ("beams: 4, angles: [170 deg, -170 deg]", 4, "'angles' ... [170 deg, 190 deg] [SL0206]"),
             ("beams: 4, angles: [-200 deg, 200 deg]", 4, "'angles' ... [-200 deg, 160 deg] [SL0203]"),
-            ("range: [4, 1]", 10, "'range': minimum 4 ... maximum 1 ... [0, 4] [SL0206]"),
+            ("range: [4, 1]", 10, "'range': minimum 4 ... maximum 1 ... [1, 4] [SL0206]"),
             ("range: [-1, 1]", 10, "'range' ... [SL0203]"),
             ("range: [0, 1], fields: [ranges]", 10, "'range' ... 'fields' ... [SL0208]"),
             ("beams: 4, fields: [ranges]", 4, "'beams' ... 'fields' ... [SL0208]")):

@@ -168,14 +168,15 @@ bool all_publishers_connected(const std::string& self, const std::string& topic)
   }
 }
 
-std::string subscribed_type(const std::string& self, const Link& subscriber) {
+std::string type_of(const std::string& self, const Link& link) {
   XmlRpcValue request;
   request[0] = self;
-  XmlRpcValue topics = call(subscriber.uri, "getSubscriptions", request);  // [topic, type], ...
+  XmlRpcValue topics =  // [topic, type], ...
+      call(link.uri, link.is_publisher ? "getPublications" : "getSubscriptions", request);
   const int count = topics.getType() == XmlRpcValue::TypeArray ? topics.size() : 0;
   for (int i = 0; i < count; ++i) {
     const auto& type = static_cast<std::string&>(topics[i][1]);
-    if (static_cast<std::string&>(topics[i][0]) == subscriber.topic && type != kAnyType) {
+    if (static_cast<std::string&>(topics[i][0]) == link.topic && type != kAnyType) {
       return type;
     }
   }

@@ -34,9 +34,9 @@ struct Link {
 /// @throws XmlRpc::XmlRpcException: the answer has another form than a master's
 std::vector<Link> missing_links(const std::string& self);
 
-/// Type of a subscriber. Empty if it accepts every type, or does not answer. A subscriber of
-/// another type than the publisher's is not connected.
-std::string subscribed_type(const std::string& self, const Link& subscriber);
+/// Message type of the node at the other end of a link. Empty if it takes every type, or does not
+/// answer. Nodes with other types have no connection.
+std::string type_of(const std::string& self, const Link& link);
 
 /// Address from which a publisher sends its messages; nullopt if it does not answer.
 std::optional<Address> data_address(const std::string& self, const Link& publisher);

@@ -39,7 +39,8 @@ bool Receiver::refuse_other_type(const PublisherHeader& publisher) {
   };
   const std::string type = entry("type");
   const std::string md5 = entry("md5sum");
-  if (md5.empty() || md5 == md5_ || md5 == "*") {
+  const bool is_other_version = !md5.empty() && md5 != md5_ && md5 != "*";
+  if (type.empty() || (type == type_ && !is_other_version)) {
     return false;
   }
   topics::OtherType other =
@@ -48,8 +49,7 @@ bool Receiver::refuse_other_type(const PublisherHeader& publisher) {
     other.type.clear();
     other.text = fmt::format(
         "topic '{}' carries another version of {} (md5 sum {}, Spikeloop's is {}); its publisher "
-        "must use "
-        "the version of ROS Noetic",
+        "must use the version of ROS Noetic",
         wanted_.topic, type_, md5, md5_);
   }
   const std::lock_guard lock(mutex_);

@@ -169,12 +169,14 @@ struct ReachabilityWatch::Impl {
     }
     Address asked = *address;
     auto fault = ask_for_pid(asked, limit());
-    if (!fault &&
-        (link.is_publisher ? has_other_type(link, asked, fault) : takes_other_type(link))) {
+    if (!fault && (link.is_publisher ? has_other_type(link) : takes_other_type(link))) {
       return true;
     }
     if (since < kConnecting) {
       return false;
+    }
+    if (!fault && link.is_publisher) {
+      fault = ask_for_version(link, asked);
     }
     if (fault && !ending) {
       {
@@ -189,25 +191,39 @@ struct ReachabilityWatch::Impl {
   }
 
   /// Reports another type to the subscriptions of the topic.
+  bool has_other_type(const Link& publisher) {
+    return refuse_other_type(publisher.topic,
+                             {{"type", type_of(self, publisher)}, {"callerid", publisher.node}});
+  }
+
+  /// Reports another version of the type. The publisher counts the question as a subscriber, so it
+  /// is asked only if the connection is overdue.
   /// @param asked receives the address of the publisher's messages
-  /// @param fault receives the reason of a missing answer
-  bool has_other_type(const Link& publisher, Address& asked, std::optional<Fault>& fault) {
+  /// @return reason of a missing answer
+  std::optional<Fault> ask_for_version(const Link& publisher, Address& asked) {
     const auto data = data_address(self, publisher);
     if (!data) {
-      return false;
+      return std::nullopt;
     }
     asked = *data;
     PublisherHeader header;
-    fault = ask_for_header(asked, limit(), self, publisher.topic, header);
+    auto fault = ask_for_header(asked, limit(), self, publisher.topic, header);
+    if (!fault) {
+      refuse_other_type(publisher.topic, header);
+    }
+    return fault;
+  }
+
+  bool refuse_other_type(const std::string& topic, const PublisherHeader& header) {
     bool other = false;
-    for (const auto& receiver : receivers_of(publisher.topic)) {
+    for (const auto& receiver : receivers_of(topic)) {
       other = receiver->refuse_other_type(header) || other;
     }
     return other;
   }
 
   bool takes_other_type(const Link& subscriber) {
-    const std::string type = subscribed_type(self, subscriber);
+    const std::string type = type_of(self, subscriber);
     const auto publication = ros::TopicManager::instance()->lookupPublication(subscriber.topic);
     if (type.empty() || !publication || publication->getDataType() == type) {
       return false;
