@@ -8,8 +8,9 @@ import sys
 
 SKIPPED = 77
 _INSIDE = "SPIKELOOP_TEST_INSIDE_NETWORKS"
-# The kernel refuses a namespace of users in a chroot; root needs none.
-_UNSHARED = ["unshare", *([] if os.getuid() == 0 else ["--map-root-user"]), "--net", "--mount"]
+_UNSHARED = ["unshare", "--map-root-user", "--net", "--mount"]
+# In a chroot the kernel refuses namespaces of users, and mounts of a test's own. Then /dev/shm is shared.
+_IN_CHROOT = ["unshare", "--net"]
 
 
 def _refusal(unshared):
@@ -25,15 +26,19 @@ def enter(as_root=False):
     """Runs this program once more, where it may make networks, and shares no memory with others.
     @param as_root where root may change users, as an sshd does: of this machine, not of a namespace"""
     if _INSIDE in os.environ:
-        subprocess.run(["mount", "-t", "tmpfs", "none", "/dev/shm"], check=True)
+        if os.environ[_INSIDE] == "mounts":
+            subprocess.run(["mount", "-t", "tmpfs", "none", "/dev/shm"], check=True)
         return
     # With a namespace of processes nobody outlives the test.
     unshared = ["unshare", "--net", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc"] if as_root \
         else _UNSHARED
-    if why := _refusal(unshared):
+    why = _refusal(unshared)
+    if why and not as_root and os.getuid() == 0 and not _refusal(_IN_CHROOT):
+        unshared = _IN_CHROOT
+    elif why:
         print(f"not run: here are no network namespaces ({why})")
         sys.exit(SKIPPED)
-    os.environ[_INSIDE] = "1"
+    os.environ[_INSIDE] = "mounts" if "--mount" in unshared else "network"
     os.execvp("unshare", [*unshared, sys.executable, "-B", *sys.argv])
 
 
