@@ -22,7 +22,7 @@ constexpr TimeNs kFirstWord = 3 * kNsPerSecond;  // wall time
 constexpr TimeNs kRepeat = kNsPerSecond;
 constexpr std::uint32_t kAll = 0;
 constexpr TimeNs kDiscovery =
-    5 * kNsPerSecond;                // wall time; Fast DDS repeats what was lost after 3 s
+    5 * kNsPerSecond;                // wall time; Fast DDS repeats lost packets after 3 s
 constexpr int kMostDeliveries = 20;  // calls of deliver(), each at most 100 ms
 
 /// No other run with this robot has it.

@@ -86,13 +86,13 @@ std::string checked_stop(const std::string& value, const Location& where) {
 /// A joint cannot be held by its measured position if no positions are received.
 void check_measured(const Parameters& parameters, const CommandMapping& mapping) {
   for (const CommandField& field : mapping.fields) {
-    if (field.stop && !field.stop->joint.empty() && parameters.text("joint_states") == "none") {
+    if (!field.held_joint().empty() && parameters.text("joint_states") == "none") {
       throw ConfigurationError(
           parameters.where("joint_states"),
           with_code(Code::conflicting_keys,
                     "key 'joint_states' is none, but '{}' holds the measured position of joint "
                     "'{}' at a stop; write the topic of the positions, or  hold  without a name",
-                    field.field, field.stop->joint));
+                    field.field, field.held_joint()));
     }
   }
 }

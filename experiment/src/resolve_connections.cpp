@@ -187,7 +187,7 @@ void check_against_robot(const Node& node, const Experiment& experiment, const T
               node.name, experiment.robot->bag.empty() ? "robot" : "bag",
               node.parameters.text("topic"), values, connection.from, connection.width, values,
               takes_picture(node.parameters) && !experiment.robot->bag.empty()
-                  ? ", or give images of several sizes one size, as in  image: {resize: [32, 24]}"
+                  ? ", or " + sensor_conversion(node, experiment, false).length_remedy()
                   : "",
               experiment.ros == Ros::none ? ""
                                           : ", or leave 'robot' out when another robot sends it"));

@@ -222,9 +222,8 @@ void check_fields(const Node& node, const RobotTopic& topic) {
 
 /// The measured positions that a stop holds.
 void check_held_joints(const Node& node, const std::vector<RobotTopic>& topics) {
-  const auto named = std::ranges::find_if(node.mapping.fields, [](const CommandField& field) {
-    return field.stop && !field.stop->joint.empty();
-  });
+  const auto named = std::ranges::find_if(
+      node.mapping.fields, [](const CommandField& field) { return !field.held_joint().empty(); });
   const std::string& written = node.parameters.text("joint_states");
   if (named == node.mapping.fields.end() || written == "none") {
     return;
@@ -245,12 +244,12 @@ void check_held_joints(const Node& node, const std::vector<RobotTopic>& topics) 
                                        written, did_you_mean(written, known)));
   }
   for (const CommandField& field : node.mapping.fields) {
-    if (field.stop && !field.stop->joint.empty() &&
-        std::ranges::find(joints, field.stop->joint) == joints.end()) {
+    const std::string joint = field.held_joint();
+    if (!joint.empty() && std::ranges::find(joints, joint) == joints.end()) {
       throw ConfigurationError(
           node.parameters.where(node.parameters.given("stop") ? "stop" : "fields"),
-          with_code(Code::field_path, "key 'stop': the robot has no joint '{}' to hold{}",
-                    field.stop->joint, did_you_mean(field.stop->joint, joints)));
+          with_code(Code::field_path, "key 'stop': the robot has no joint '{}' to hold{}", joint,
+                    did_you_mean(joint, joints)));
     }
   }
 }

@@ -5,6 +5,16 @@
 namespace spikeloop::test {
 namespace {
 
+/// The good file with an arm. @param fields value of the command's key `fields`, and more keys
+WrongFile arm_file(const char* what, const std::string& fields, const std::string& fault) {
+  return {what,
+          {{"mujoco}", "mujoco, model: arm.xml}"},
+           {"topic: /scan, message: LaserScan", "topic: /sensors/tip, message: Float64MultiArray"},
+           {"topic: /cmd_vel, message: Twist, fields: {linear.x: 0, angular.z: 1}",
+            "topic: /joint_commands, message: sensor_msgs/JointState, fields: " + fields}},
+          {fault}};
+}
+
 class WrongNodes : public testing::TestWithParam<WrongFile> {};
 
 TEST_P(WrongNodes, AreExplained) {
@@ -38,45 +48,24 @@ INSTANTIATE_TEST_SUITE_P(
                   {{"mujoco}", "mujoco, keyframe: home}"}},
                   {"x.yaml:4:38: robot: key 'keyframe' is for a robot with  model: FILE; leave it "
                    "out [SL0208]"}},
-        WrongFile{"an actuator that the robot does not have",
-                  {{"mujoco}", "mujoco, model: arm.xml}"},
-                   {"topic: /scan, message: LaserScan",
-                    "topic: /sensors/tip, message: Float64MultiArray"},
-                   {"topic: /cmd_vel, message: Twist, fields: {linear.x: 0, angular.z: 1}",
-                    "topic: /joint_commands, message: sensor_msgs/JointState, fields: "
-                    "{'effort[name=elbow]': 0, 'effort[name=sholder]': 1}"}},
-                  {"x.yaml:10:146: ... 'effort[name=sholder]' of its topic /joint_commands ... "
-                   "'effort[name=shoulder]' ... [SL0504]"}},
-        WrongFile{"an actuator of another kind",
-                  {{"mujoco}", "mujoco, model: arm.xml}"},
-                   {"topic: /scan, message: LaserScan",
-                    "topic: /sensors/tip, message: Float64MultiArray"},
-                   {"topic: /cmd_vel, message: Twist, fields: {linear.x: 0, angular.z: 1}",
-                    "topic: /joint_commands, message: sensor_msgs/JointState, fields: "
-                    "{'effort[name=elbow]': 0, 'velocity[name=shoulder]': 1}"}},
-                  {"x.yaml:10:149: ... 'velocity[name=shoulder]' ... did you mean "
-                   "'effort[name=shoulder]'? [SL0504]"}},
-        WrongFile{"a held joint that the robot does not have",
-                  {{"mujoco}", "mujoco, model: arm.xml}"},
-                   {"topic: /scan, message: LaserScan",
-                    "topic: /sensors/tip, message: Float64MultiArray"},
-                   {"topic: /cmd_vel, message: Twist, fields: {linear.x: 0, angular.z: 1}",
-                    "topic: /joint_commands, message: sensor_msgs/JointState, fields: "
-                    "{'effort[name=elbow]': 0, 'effort[name=shoulder]': 1}, "
-                    "stop: {'effort[name=elbow]': hold elbw}"}},
-                  {"... key 'stop': the robot has no joint 'elbw' to hold; did you mean 'elbow'? "
-                   "[SL0504]"}},
-        WrongFile{
-            "joint positions on a topic that the robot does not have",
-            {{"mujoco}", "mujoco, model: arm.xml}"},
-             {"topic: /scan, message: LaserScan",
-              "topic: /sensors/tip, message: Float64MultiArray"},
-             {"topic: /cmd_vel, message: Twist, fields: {linear.x: 0, angular.z: 1}",
-              "topic: /joint_commands, message: sensor_msgs/JointState, fields: "
-              "{'effort[name=elbow]': 0, 'effort[name=shoulder]': 1}, "
-              "stop: {'effort[name=elbow]': hold elbow}, joint_states: /joint_state"}},
-            {"... key 'joint_states': the robot sends no joint positions on /joint_state; did "
-             "you mean '/joint_states'? [SL0507]"}},
+        arm_file("an actuator that the robot does not have",
+                 "{'effort[name=elbow]': 0, 'effort[name=sholder]': 1}",
+                 "x.yaml:10:146: ... 'effort[name=sholder]' of its topic /joint_commands ... "
+                 "'effort[name=shoulder]' ... [SL0504]"),
+        arm_file("an actuator of another kind",
+                 "{'effort[name=elbow]': 0, 'velocity[name=shoulder]': 1}",
+                 "x.yaml:10:149: ... 'velocity[name=shoulder]' ... did you mean "
+                 "'effort[name=shoulder]'? [SL0504]"),
+        arm_file("a held joint that the robot does not have",
+                 "{'effort[name=elbow]': 0, 'effort[name=shoulder]': 1}, "
+                 "stop: {'effort[name=elbow]': hold elbw}",
+                 "... key 'stop': the robot has no joint 'elbw' to hold; did you mean 'elbow'? "
+                 "[SL0504]"),
+        arm_file("joint positions on a topic that the robot does not have",
+                 "{'effort[name=elbow]': 0, 'effort[name=shoulder]': 1}, "
+                 "stop: {'effort[name=elbow]': hold elbow}, joint_states: /joint_state",
+                 "... key 'joint_states': the robot sends no joint positions on /joint_state; did "
+                 "you mean '/joint_states'? [SL0507]"),
         WrongFile{
             "a held joint without measured positions",
             {{"angular.z: 1}", "angular.z: 1}, stop: {linear.x: hold left}, joint_states: none"}},

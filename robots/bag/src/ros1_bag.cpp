@@ -150,7 +150,7 @@ class Ros1Bag : public Source {
   }
 
   std::shared_ptr<ChunkedFile> file_;
-  std::map<std::uint32_t, std::uint32_t> indexes_;  ///< of connections
+  std::map<std::uint32_t, std::uint32_t> indexes_;  ///< connection index by its number
 };
 
 }  // namespace

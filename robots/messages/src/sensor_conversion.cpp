@@ -50,6 +50,10 @@ std::optional<std::size_t> SensorConversion::width() const {
   return reading_->width();
 }
 
+std::string SensorConversion::length_remedy() const {
+  return reading_->length_remedy(channels_.size());
+}
+
 std::uint32_t SensorConversion::count(const Catalog& catalog, std::string_view type,
                                       const SensorRule& rule, std::span<const std::byte> message) {
   const auto reading = make_reading(catalog, catalog.full_name(type), rule, 0);
@@ -192,7 +196,7 @@ bool SensorConversion::fit() {
           : fmt::format("a {} brought {} values in '{}', but {} of the channels are for them",
                         type_, misfit.values, misfit.path, misfit.channels);
   if (strict_) {
-    const std::string remedy = reading_->length_remedy(channels_.size());
+    const std::string remedy = length_remedy();
     throw ConfigurationError(with_code(Code::fields_differ, "{}; write [{}] in its connection{}",
                                        difference, misfit.whole,
                                        remedy.empty() ? "" : ", or " + remedy));
@@ -207,7 +211,7 @@ bool SensorConversion::fit() {
 
 void SensorConversion::warn_of_length(const std::string& difference, std::size_t whole,
                                       bool surplus) {
-  std::string remedy = reading_->length_remedy(channels_.size());
+  std::string remedy = length_remedy();
   if (surplus || most_values_ < channels_.size()) {  // else other messages fill the connection
     remedy += fmt::format("{}write [{}] in its connection {}", remedy.empty() ? "" : ", or ", whole,
                           surplus ? "to have all" : "if no message has more");

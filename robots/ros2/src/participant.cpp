@@ -119,9 +119,8 @@ dds_entity_t created(const char* what, const discovery::Discovery& where,
   const dds_entity_t entity = create();
   const std::string said = CycloneLog::instance().release();
   // The kernel's table of sockets may lack some while others are opened and closed.
-  const bool is_full = said.find("free participant index") != std::string::npos ||
-                       discovery::free_participants(where) == 0;
-  if (entity < 0 && is_full) {
+  if (entity < 0 && (said.find("free participant index") != std::string::npos ||
+                     discovery::free_participants(where) == 0)) {
     throw TransportError(with_code(Code::resource,
                                    "domain {} of ROS 2 has reached its limit of {} participants on "
                                    "this machine; end other programs of the domain, or set another "

@@ -51,6 +51,9 @@ struct CommandField {
   std::optional<double> slew{};    ///< fastest change a second, above 0; none: any
   std::optional<StopRule> stop{};  ///< nullopt: depends on the field
   Location where{};                ///< of its line in the file
+
+  /// Joint that the file names for the position that a stop holds. Empty if it names none.
+  std::string held_joint() const { return stop ? stop->joint : ""; }
 };
 
 struct CommandMapping {

@@ -208,7 +208,8 @@ struct RobotTopic {
   std::string message;
   /// Of a topic for commands: paths of all fields that it reads. Of sensors: none.
   std::vector<std::string> fields{};
-  std::vector<std::string> joints{};  ///< of a topic of sensor_msgs/JointState for sensors
+  std::vector<std::string>
+      joints{};  ///< in its messages; empty unless they are sensor_msgs/JointState
   bool takes_commands() const { return !fields.empty(); }
 };
 

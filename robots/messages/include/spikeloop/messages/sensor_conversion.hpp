@@ -64,6 +64,9 @@ class SensorConversion {
   /// Number of values of every message for a port of this width; nullopt if each message has its
   /// own number.
   std::optional<std::size_t> width() const;
+  /// What to write if the number of values changes from message to message. Empty if only the width
+  /// of the connection can be changed.
+  std::string length_remedy() const;
 
   /// Number of values that this message has for a sensor. 0: it has no value, and the number
   /// differs from message to message.
@@ -113,8 +116,8 @@ class SensorConversion {
   std::unique_ptr<Reading> reading_;
   std::optional<double> initial_;
   std::vector<double> channels_;
-  std::vector<Seen> seen_;       ///< of every channel
-  std::size_t most_values_ = 0;  ///< of a message
+  std::vector<Seen> seen_;       ///< per channel
+  std::size_t most_values_ = 0;  ///< most values in a message so far
   Counts counts_;
   std::vector<std::string> warnings_;
 };
